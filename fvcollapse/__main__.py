@@ -1,0 +1,156 @@
+"""The command line: parses, calls one function per command, turns errors into an exit status.
+
+0 done; 1 the computation failed (what was computed is kept); 2 bad input; 130 interrupted. Errors
+are one line on stderr. The commands import what they need themselves, so that `--help` is instant.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from fvcollapse.errors import FvcollapseError, InputError, one_line
+from fvcollapse.version import __version__
+
+
+def main(argv=None):
+    """Run one command; return its exit status."""
+    try:
+        arguments = command_line().parse_args(argv)
+        status = arguments.command(arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader of our output, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except FvcollapseError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+    return status
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line, as all others."""
+
+    def error(self, message):
+        """Refuse the arguments."""
+        usage = f"the arguments listed by `{self.prog} --help`"
+        raise InputError("command line", self.prog, one_line(message), usage)
+
+
+def command_line():
+    """The parser of all commands; each sets `command` to its function."""
+    parser = Parser(prog="fvcollapse", description="Granular column collapse on a slope.")
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    add_run(commands)
+    add_plot(commands)
+    add_keys(commands)
+    return parser
+
+
+def add_run(commands):
+    """`run`: one simulation."""
+    parser = commands.add_parser("run", help="run one simulation", description=run.__doc__)
+    parser.add_argument("case", metavar="CASE.toml", type=Path, help="case file")
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        metavar="section.key=value",
+        action="append",
+        default=[],
+        help="change one key of the case; may be repeated",
+    )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
+    )
+    parser.add_argument("--resume", action="store_true", help="continue from the checkpoint")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=run)
+
+
+def run(arguments):
+    """Run one simulation and print its summary."""
+    from fvcollapse.case import load_case
+
+    case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.output import run_case  # heavy, and not needed to refuse a bad case
+
+    folder = arguments.out or Path("out") / arguments.case.stem
+    result = run_case(case, folder, resume=arguments.resume, quiet=arguments.quiet)
+    print(result.summary_table())
+    return 0
+
+
+def add_plot(commands):
+    """`plot`: pictures and an animation."""
+    parser = commands.add_parser(
+        "plot", help="draw pictures and an animation of a result", description=plot.__doc__
+    )
+    parser.add_argument(
+        "results", metavar="RESULT", nargs="+", type=Path, help="result.h5, or the folder it is in"
+    )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="folder; default `pictures` beside the result"
+    )
+    parser.set_defaults(command=plot)
+
+
+def plot(arguments):
+    """Draw the standard pictures and an animation of each result; print the files written."""
+    results = [result_file(path) for path in arguments.results]
+    folders = [arguments.out] * len(results)
+    if arguments.out and len(results) > 1:
+        folders = [arguments.out / name for name in distinct_names(results)]
+    from fvcollapse.pictures import draw_all
+
+    for result, folder in zip(results, folders, strict=True):
+        for path in draw_all(result, folder or result.parent / "pictures"):
+            print(path)
+    return 0
+
+
+def result_file(path):
+    """The result file that a path means: itself, or `result.h5` in a folder."""
+    result = path / "result.h5" if path.is_dir() else path
+    if not result.is_file():
+        raise InputError(result, "file", "no such file", "a result.h5, or a folder that holds one")
+    return result
+
+
+def distinct_names(results):
+    """One folder name per result file: the name of its folder, numbered if two are the same."""
+    names = [result.resolve().parent.name for result in results]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{number}-{name}" for number, name in enumerate(names, start=1)]
+
+
+def add_keys(commands):
+    """`keys`: the table of case keys."""
+    parser = commands.add_parser(
+        "keys", help="list the keys of a case file", description=keys.__doc__
+    )
+    parser.set_defaults(command=keys)
+
+
+def keys(arguments):
+    """Print every key of the case file with its default, unit, range and meaning."""
+    from fvcollapse.case import describe_keys
+
+    rows = [("key", "default", "unit", "meaning; allowed")]
+    rows += [
+        (info.name, info.default, info.unit, f"{info.description}; {info.allowed}")
+        for info in describe_keys()
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for row in rows:
+        first = "  ".join(word.ljust(width) for word, width in zip(row[:3], widths, strict=True))
+        print(f"{first}  {row[3]}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

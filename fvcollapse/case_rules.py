@@ -1,0 +1,149 @@
+"""The rules of a case that tie several keys together; the range of one key stands in `case.py`.
+
+Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
+"""
+
+from math import isfinite, radians, tan
+
+from fvcollapse.case_keys import key_metas, sections, show
+
+CELLS_MAX = 4_000_000  # in the initial column: more would not fit in the memory of a desktop
+OUTPUTS_MAX = 1_000_000  # a shorter output interval is a slip of the pen
+ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
+VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
+POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
+
+
+def rule_finite(case):
+    """Numbers are finite, except where inf is named."""
+    for section, model in sections(type(case)):
+        values = case
+        for part in section.split("."):
+            values = getattr(values, part, None)
+        for name, meta in key_metas(model).items():
+            value = getattr(values, name, None)
+            numbers = value if isinstance(value, tuple) else (value,)
+            infinite = any(isinstance(number, float) and not isfinite(number) for number in numbers)
+            if infinite and not meta.extra["inf"]:
+                yield f"{section}.{name}", show(value), f"a finite number: {meta.extra['allowed']}"
+
+
+def rule_friction(case):
+    """mu(I) rises with I."""
+    mu_1, mu_2 = case.rheology.mu_1, case.rheology.mu_2
+    if mu_2 < mu_1:
+        yield "rheology.mu_2", f"{mu_2:g}", f">= rheology.mu_1 = {mu_1:g}"
+
+
+def rule_density(case):
+    """The packed grains are not denser than the grains."""
+    grain, bulk = case.rheology.density_grain, case.rheology.density_bulk
+    if bulk > grain:
+        yield "rheology.density_bulk", f"{bulk:g}", f"<= rheology.density_grain = {grain:g}"
+
+
+def rule_polygon(case):
+    """The polygon is simple, has an area, and the gate does not cut it."""
+    vertices, length_0 = case.geometry.polygon, case.geometry.length_0
+    if vertices is None:
+        return
+    problem = polygon_problem(vertices)
+    if problem:
+        yield "geometry.polygon", problem, POLYGON_WORDS
+    if isfinite(case.gate.speed) and case.geometry.length_max > length_0 * ROUND_OFF:
+        limit = f"x <= geometry.length_0 = {length_0:g} (the gate), or gate.speed = inf"
+        yield "geometry.polygon", f"x up to {case.geometry.length_max:g}", limit
+    if case.geometry.surface != "parallel":
+        yield "geometry.surface", show(case.geometry.surface), '"parallel" beside geometry.polygon'
+
+
+def rule_surface(case):
+    """A level surface meets both walls above the bed, so that its mean height is height_0."""
+    geometry = case.geometry
+    drop = 0.5 * geometry.length_0 * tan(radians(geometry.slope_angle_deg))
+    if geometry.surface == "horizontal" and geometry.height_0 <= drop:
+        limit = f"> length_0 tan(slope)/2 = {drop:.4g} with a horizontal surface"
+        yield "geometry.height_0", f"{geometry.height_0:g}", limit
+
+
+def rule_cells(case):
+    """The column is resolved, and fits in the memory."""
+    height, length = case.geometry.height_max, case.geometry.length_max
+    size_x, size_z = case.grid.cell_size, case.grid.cell_size_z or case.grid.cell_size
+    for name, size in (("grid.cell_size", size_x), ("grid.cell_size_z", size_z)):
+        if size > 0.25 * height * ROUND_OFF:
+            yield name, f"{size:g}", f"<= {height / 4:g}, a quarter of the height {height:g}"
+    if size_x > case.geometry.length_0 * ROUND_OFF:
+        limit = f"<= geometry.length_0 = {case.geometry.length_0:g}"
+        yield "grid.cell_size", f"{size_x:g}", limit
+    cells = (height / size_z) * (length / size_x)
+    if cells > CELLS_MAX:
+        found = f"{size_x:g}, which makes {cells:.3g} cells in the column"
+        yield "grid.cell_size", found, f"sizes that make at most {CELLS_MAX:g} cells"
+
+
+def rule_domain(case):
+    """The domain holds the column."""
+    column = max(case.geometry.length_max, case.geometry.length_0)
+    length = case.boundary.domain_length
+    if length is not None and length <= column:
+        yield "boundary.domain_length", f"{length:g}", f"> {column:g}, the length of the column"
+
+
+def rule_outputs(case):
+    """The number of outputs is sane."""
+    shortest = case.time.end / OUTPUTS_MAX
+    for name in ("output_interval", "field_interval"):
+        interval = getattr(case.time, name)
+        if interval < shortest:
+            yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
+
+
+RULES = (
+    rule_finite,
+    rule_friction,
+    rule_density,
+    rule_polygon,
+    rule_surface,
+    rule_cells,
+    rule_domain,
+    rule_outputs,
+)
+
+
+def polygon_problem(vertices):
+    """Why a list of vertices is no simple polygon of positive area; "" if it is one."""
+    count = len(vertices)
+    if not 3 <= count <= VERTICES_MAX:
+        return f"{count} vertices"
+    edges = [(vertices[n], vertices[(n + 1) % count]) for n in range(count)]
+    for first in range(count):
+        for second in range(first + 1, count):
+            neighbours = second == first + 1 or (first == 0 and second == count - 1)
+            if edges_clash(edges[first], edges[second], neighbours):
+                return f"edges {first} and {second}, counted from 0, that touch or cross"
+    return ""
+
+
+def edges_clash(first, second, neighbours):
+    """Whether two edges share more than they may: a neighbour's vertex, and otherwise nothing."""
+    (a, b), (c, d) = first, second
+    if neighbours:
+        tip, base, other = (a, b, d) if b == c else (b, a, c)  # the edges meet in `base`
+        if base in (tip, other):
+            return True
+        product_x = (tip[0] - base[0]) * (other[0] - base[0])
+        product_z = (tip[1] - base[1]) * (other[1] - base[1])
+        return side(tip, base, other) == 0 and product_x + product_z > 0
+    if max(a[0], b[0]) < min(c[0], d[0]) or max(c[0], d[0]) < min(a[0], b[0]):
+        return False
+    if max(a[1], b[1]) < min(c[1], d[1]) or max(c[1], d[1]) < min(a[1], b[1]):
+        return False
+    return side(a, b, c) * side(a, b, d) <= 0 and side(c, d, a) * side(c, d, b) <= 0
+
+
+def side(a, b, c):
+    """+1, 0 or -1: c lies left of, on, or right of the line from a to b, to round-off."""
+    left, right = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
+    cross = left - right
+    return 0 if abs(cross) <= 1e-12 * (abs(left) + abs(right)) else (1 if cross > 0 else -1)

@@ -1,0 +1,97 @@
+"""What a run tells while it goes on (run.log, progress bar), and its interruption."""
+
+import logging
+import platform
+import signal
+import sys
+import threading
+from contextlib import contextmanager, suppress
+
+from tqdm import tqdm
+
+from fvcollapse.errors import OutputError
+from fvcollapse.version import __version__
+
+LOG = "run.log"
+
+
+class LogFile(logging.FileHandler):
+    """A log that a full disk does not stop: the results will report it."""
+
+    def handleError(self, record):  # noqa: N802 (name fixed by logging)
+        """Drop the record."""
+
+    def close(self):
+        """Close the file; what it could not take is dropped."""
+        with suppress(OSError):
+            super().close()
+
+
+@contextmanager
+def run_log(folder):
+    """Make the folder and append to its run.log."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handler = LogFile(folder / LOG, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(folder, error, running=False) from None
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    log = logging.Logger("fvcollapse", logging.INFO)  # not registered: one per run
+    log.addHandler(handler)
+    try:
+        yield log
+    finally:
+        handler.close()
+
+
+def log_start(log, case, stored):
+    """The first lines of a run: versions, case, and where it starts."""
+    log.info(
+        "fvcollapse %s, Python %s, %s", __version__, platform.python_version(), platform.machine()
+    )
+    log.info("case\n%s", case.to_toml())
+    if stored is None:
+        log.info("start from t = 0")
+        return
+    log.info("resumed from t = %.6f s, step %d", stored.state.time, stored.state.step)
+    if stored.code_version != __version__:
+        log.warning("the checkpoint was written by version %s", stored.code_version)
+
+
+def progress_bar(case, start, quiet):
+    """Bar over the simulated time with step, dt and ETA, on stderr."""
+    layout = (
+        "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}, {postfix}]"
+    )
+    return tqdm(
+        total=max(case.time.end, start),
+        initial=start,
+        file=sys.stderr,
+        bar_format=layout,
+        disable=quiet or not sys.stderr.isatty(),
+    )
+
+
+@contextmanager
+def deferred_interrupt():
+    """Let Ctrl-C and SIGTERM wait for the end of the step.
+
+    Yields a function that says whether one came. A second Ctrl-C stops at once, leaving the last
+    checkpoint.
+    """
+    came = []
+
+    def handle(number, frame):
+        if came:
+            raise KeyboardInterrupt
+        came.append(number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

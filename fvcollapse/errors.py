@@ -1,0 +1,87 @@
+"""What can go wrong, named: every failure is one line that says what and where."""
+
+
+class FvcollapseError(Exception):
+    """Base of all errors raised on purpose; the command line returns `exit_status`."""
+
+    exit_status = 1
+
+
+class InputError(FvcollapseError):
+    """Bad input, refused before anything is computed or written (exit status 2).
+
+    Parameters
+    ----------
+    file : str or Path
+        File (or "command line") that holds the input.
+    key : str
+        Dotted key, e.g. "geometry.height_0"; "file" when it is the file as a whole.
+    found : str
+        What was found there.
+    allowed : str
+        What would be accepted instead.
+    """
+
+    exit_status = 2
+
+    def __init__(self, file, key, found, allowed):
+        super().__init__(str(file), key, found, allowed)
+        self.file, self.key, self.found, self.allowed = str(file), key, found, allowed
+
+    def __str__(self):
+        return one_line(f"{self.file}: {self.key}: found {self.found}; allowed: {self.allowed}")
+
+
+class CaseError(InputError):
+    """A case file, or a `--set` on top of it, that is refused."""
+
+
+class NumericalError(FvcollapseError):
+    """The computation failed; what was computed so far is kept (exit status 1).
+
+    Parameters
+    ----------
+    what : str
+        The physics or the solver that failed, and the cure if there is one.
+    where : str
+        Place, e.g. "at x = 0.93 m, z = 0.01 m" or "in the pressure solve".
+    time : float
+        Simulated time [s].
+    """
+
+    def __init__(self, what, where="", time=float("nan")):
+        super().__init__(what, where, time)
+        self.what, self.where, self.time = what, where, time
+
+    def __str__(self):
+        moment = f"at t = {self.time:.6g} s" if self.time == self.time else ""
+        return one_line(", ".join(part for part in (self.what, self.where, moment) if part))
+
+
+class OutputError(FvcollapseError):
+    """A file cannot be written: folder not writable, disk full, ...
+
+    Parameters
+    ----------
+    path : str or Path
+        File or folder that could not be written.
+    problem : str or OSError
+        What went wrong.
+    running : bool
+        True when the computation had begun (exit status 1, what was written is kept);
+        False when nothing was computed yet (exit status 2).
+    """
+
+    def __init__(self, path, problem, running=False):
+        super().__init__(str(path), problem, running)
+        self.path, self.problem, self.running = str(path), problem, running
+        self.exit_status = 1 if running else 2
+
+    def __str__(self):
+        problem = getattr(self.problem, "strerror", None) or self.problem
+        return one_line(f"{self.path}: cannot be written: {problem}")
+
+
+def one_line(text):
+    """The text with every line break and run of blanks replaced by one blank."""
+    return " ".join(str(text).split())

@@ -1,0 +1,261 @@
+"""One collapse: the state, and the step that advances it. No files; failures are named.
+
+Order of a step: surface, momentum advection, gate, then gravity, pressure, viscosity and every friction together in
+one implicit solve, so that a static state stays static for any time step; at last the velocity is continued beyond
+the surface for the next step.
+"""
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from .case import GRAVITY
+from .errors import NumericalError
+from .grid import Grid, gate_column
+from .state import grow
+from .step import coupled, level_set
+from .step.banded import lapack_addresses
+from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
+from .step.gate import gate_height, open_fractions
+from .step.geometry import allocate_geometry, fill_cells, fill_faces, fill_walls, number_unknowns, repeat_columns
+from .step.initial import HALO, MARGIN, initial_grid, initial_state
+from .step.momentum import advect_momentum
+from .step import quantities
+from .step.rheology import material
+from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+
+REINITIALISE_EVERY = 20
+DISTANCE_TOLERANCE = 0.9
+TRUSTED_MASS = 0.05
+GROWTH = 16
+
+
+class StepRecord(NamedTuple):
+    """What one step reports."""
+
+    time: float
+    dt: float
+    sweeps: int
+    linear_iterations: int
+    residual: float
+    divergence: float
+    capped: bool
+    volume_correction: float
+
+
+class Simulation:
+    """A case in motion.
+
+    Parameters
+    ----------
+    case : Case
+    state : State, optional
+        Where to continue; without it the column at rest, in static equilibrium behind the closed gate.
+    """
+
+    def __init__(self, case, state=None):
+        self.case = case
+        grid = initial_grid(case)
+        self.spacing = grid.dx, grid.dz
+        self.halo = HALO if case.boundary.ends == "periodic" else 0
+        self.gate_column = -1 if self.halo else gate_column(case)
+        self.material = material(case)
+        self.addresses = lapack_addresses()
+        slope = math.radians(case.geometry.slope_angle_deg)
+        self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
+        self.state = initial_state(case, grid) if state is None else state
+        self._allocate()
+        if state is None:
+            self._settle()
+        else:
+            self._place(state.time)
+
+    @property
+    def grid(self):
+        """Current grid; it grows with the flow."""
+        return Grid(*self.state.pressure_filled.shape, *self.spacing)
+
+    def _allocate(self):
+        nx, nz = self.state.pressure_filled.shape
+        self.geometry = allocate_geometry(nx, nz, self.halo)
+        self.work = coupled.allocate_work(nx, nz)
+
+    def cell_quantities(self):
+        """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
+        return quantities.cell_quantities(self.state, self.geometry, self.material, *self.spacing)
+
+    def energies(self):
+        """Kinetic and potential energy, J/m; see `fvcollapse.step.quantities.energies`."""
+        return quantities.energies(self.state, self.geometry, self.case.rheology.density_bulk, self.gravity,
+                                   *self.spacing)
+
+    # ---------------------------------------------------------------- one step
+
+    def advance(self, time_limit):
+        """One step, never beyond `time_limit` (s).
+
+        Returns
+        -------
+        StepRecord
+
+        Raises
+        ------
+        NumericalError
+            If the solve fails or stays above the error limit after five halvings of the step; the state is then the
+            last good one.
+        """
+        self._make_room()
+        start = self.state.copy()
+        dt = fit_to(time_limit, start.time, self._time_step())
+        for _ in range(6):
+            outcome, correction = self._try_step(start, dt)
+            if outcome.info == 0 and outcome.change <= 0.1:
+                break
+            dt *= 0.5
+        else:
+            self.state = start
+            raise NumericalError("nonlinear sweeps", f"relative change {outcome.change:.2g} after five halvings",
+                                 start.time)
+        state = self.state
+        state.time = time_limit if abs(start.time + dt - time_limit) < 1e-12 else start.time + dt
+        state.step = start.step + 1
+        state.dt = dt
+        return StepRecord(state.time, dt, outcome.sweeps, outcome.sweeps, outcome.residual, outcome.divergence,
+                          outcome.change > self.case.numerics.tolerance, correction)
+
+    def _try_step(self, start, dt):
+        self.state = state = start.copy()
+        dx, dz = self.spacing
+        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
+        self._repeat(state.level_set, state.u, state.w)
+        advect_momentum(u_star, w_star, state.u, state.w, state.bed_slip, state.level_set, 3.0 * max(dx, dz), dt,
+                        dx, dz)
+        correction = self._move_surface(dt)
+        self._place(state.time + dt)
+        outcome = self._solve(u_star, w_star, dt)
+        self._continue_velocity()
+        return outcome, correction
+
+    def _time_step(self):
+        case, (dx, dz) = self.case, self.spacing
+        h = min(dx, dz)
+        step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
+        moving = self.gate_is_moving()
+        dt = min(step_max, limit_advection(self.max_speed(), case.time.cfl, h), limit_surface_wave(GRAVITY, h),
+                 limit_gate(case.gate.speed, moving, dz))
+        return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
+
+    def gate_is_moving(self):
+        """Whether the gate still touches the mass."""
+        height = gate_height(self.state.time, self.case.gate.speed, self.case.gate.time_constant)
+        return self.case.gate.speed > 0.0 and height < self.grid.nz * self.spacing[1]
+
+    def max_speed(self):
+        """Largest face velocity, m/s."""
+        return max(np.abs(self.state.u).max(), np.abs(self.state.w).max())
+
+    # ---------------------------------------------------------------- its parts
+
+    def _move_surface(self, dt):
+        state, (dx, dz) = self.state, self.spacing
+        geometry = self.geometry
+        u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
+        level_set.node_velocity(u_node, w_node, state.u, state.w, state.bed_slip)
+        level_set.advect(state.level_set, u_node, w_node, dt, dx, dz)
+        state.steps_since_reinitialisation += 1
+        if (state.steps_since_reinitialisation >= REINITIALISE_EVERY
+                or level_set.distance_error(state.level_set, dx, dz) > DISTANCE_TOLERANCE):
+            level_set.reinitialise(state.level_set, 12, dx, dz)
+            state.steps_since_reinitialisation = 0
+        self._repeat(state.level_set)
+        speed = np.hypot(u_node, w_node)
+        fastest = speed.max()
+        if fastest == 0.0:
+            return 0.0
+        target = (state.volume_0 - state.volume_outflow) / (dx * dz)
+        gate_i, gate_k = self._gate_rows(state.time + dt)
+        added = level_set.correct_volume(state.level_set, speed / fastest, target, geometry.filled, geometry.lever_x,
+                                         geometry.lever_z, gate_i, gate_k, min(dx, dz)) * dx * dz
+        state.volume_correction += abs(added)
+        return added
+
+    def _gate_rows(self, time):
+        height = gate_height(time, self.case.gate.speed, self.case.gate.time_constant)
+        gate_k = open_fractions(self.geometry.aperture, height, self.gate_column, self.spacing[1])
+        return self.gate_column, gate_k
+
+    def _place(self, time, closed=False):
+        """Geometry of the current surface with the gate where it is at `time`."""
+        geometry = self.geometry
+        gate_i, gate_k = self._gate_rows(0.0 if closed else time)
+        if closed:
+            open_fractions(geometry.aperture, 0.0, self.gate_column, self.spacing[1])
+            gate_k = 0
+        fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, self.state.level_set, gate_i, gate_k)
+        fill_faces(geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z)
+        fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
+        self.unknowns = number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture,
+                                        self.case.boundary.right_end == "open", geometry.first, geometry.last)
+
+    def _solve(self, u_star, w_star, dt, max_sweeps=None, tolerance=None):
+        state = self.state
+        n, half_bandwidth = self.unknowns
+        band, rhs = np.empty((n, half_bandwidth + 1)), np.empty(n)
+        balance = self._balance(dt, max_sweeps, tolerance)
+        return coupled.solve(state.u, state.w, state.pressure_filled, state.bed_slip, self.work, band, rhs, u_star,
+                             w_star, self.geometry, self.material, balance, *self.spacing, self.addresses)
+
+    def _balance(self, dt, max_sweeps, tolerance):
+        case, numerics = self.case, self.case.numerics
+        walls = case.effects.lateral_friction
+        strength = 0.0
+        if walls is not None and walls.closure == "sink" and math.isfinite(case.geometry.channel_width):
+            strength = 2.0 * walls.mu_wall / case.geometry.channel_width
+        scale = math.sqrt(GRAVITY * case.geometry.height_0)
+        rate_start = 1.0 if self.state.step < 10 else 0.0
+        return coupled.Balance(dt, case.rheology.density_bulk, *self.gravity, float(case.boundary.mu_bed),
+                               0.0 if self.halo else float(case.boundary.mu_back_wall), strength,
+                               0.1 * numerics.shear_rate_min * case.geometry.height_0, 1e8, numerics.unilateral,
+                               tolerance or numerics.tolerance, 1e-3 * scale, max_sweeps or numerics.max_sweeps,
+                               rate_start)
+
+    def _continue_velocity(self):
+        state = self.state
+        known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
+        mark_known(known_u, known_w, self.geometry, TRUSTED_MASS)
+        extrapolate(state.u, known_u, LAYERS)
+        extrapolate(state.w, known_w, LAYERS)
+        self._repeat(state.u, state.w)
+        close_divergence(state.u, state.w, known_u, known_w, self.geometry.filled, SOLENOIDAL_LAYERS, *self.spacing)
+
+    def _repeat(self, *fields):
+        """Fill the halo of a periodic stretch."""
+        if self.halo:
+            for field in fields:
+                repeat_columns(field, self.geometry.first, self.geometry.last)
+
+    def _make_room(self):
+        if self.halo:
+            return
+        filled = self.geometry.filled
+        nx, nz = filled.shape
+        wet = filled > 0.0
+        extra_x = extra_z = 0
+        if self.case.boundary.right_end == "grow" and wet[nx - MARGIN:].any():
+            extra_x = GROWTH
+        if wet[:, nz - 4:].any():
+            extra_z = MARGIN
+        if extra_x or extra_z:
+            grow(self.state, extra_x, extra_z)
+            self._allocate()
+
+    def _settle(self):
+        """Static pressure behind the closed gate, with all friction at work; then at rest."""
+        state = self.state
+        self._place(0.0, closed=True)
+        state.volume_0 = self.geometry.filled.sum() * self.spacing[0] * self.spacing[1]
+        self._solve(np.zeros_like(state.u), np.zeros_like(state.w), 1.0, max_sweeps=100, tolerance=1e-6)
+        state.u[:] = 0.0
+        state.w[:] = 0.0
+        state.bed_slip[:] = 0.0
+        self._place(0.0)

@@ -1,0 +1,69 @@
+"""What is known at one instant, and the tables from which output, checkpoint and growth of the domain follow."""
+from dataclasses import dataclass
+
+import numpy as np
+
+# name: (location, units, description, in_checkpoint)
+FIELDS = {
+    "level_set": ("node", "m", "signed distance to the free surface, negative in the grains", True),
+    "u": ("xface", "m/s", "velocity along the bed", True),
+    "w": ("zface", "m/s", "velocity normal to the bed", True),
+    "pressure_filled": ("centre", "Pa", "filled fraction times pressure", True),
+    "bed_slip": ("xnode", "m/s", "slip velocity at the bed", True),
+}
+SCALARS = {
+    "time": ("s", "time since the gate starts to rise"),
+    "step": ("1", "number of completed steps"),
+    "dt": ("s", "length of the last step"),
+    "volume_0": ("m2", "volume per unit width at t = 0"),
+    "volume_correction": ("m2", "running sum of the absolute volume corrections"),
+    "volume_outflow": ("m2", "volume that has left through an open end"),
+    "steps_since_reinitialisation": ("1", "steps since the signed distance was last restored"),
+}
+
+
+@dataclass
+class State:
+    """Arrays on the staggered grid (see `FIELDS`) and bookkeeping scalars (see `SCALARS`)."""
+
+    level_set: np.ndarray
+    u: np.ndarray
+    w: np.ndarray
+    pressure_filled: np.ndarray
+    bed_slip: np.ndarray
+    time: float = 0.0
+    step: int = 0
+    dt: float = 0.0
+    volume_0: float = 0.0
+    volume_correction: float = 0.0
+    volume_outflow: float = 0.0
+    steps_since_reinitialisation: int = 0
+
+    def copy(self):
+        """Independent copy of the state."""
+        arrays = {name: getattr(self, name).copy() for name in FIELDS}
+        return State(**arrays, **{name: getattr(self, name) for name in SCALARS})
+
+
+def location_shape(location, nx, nz):
+    """Array shape of a field at `location` on an nx by nz grid."""
+    return {"node": (nx + 1, nz + 1), "xface": (nx + 1, nz), "zface": (nx, nz + 1), "centre": (nx, nz),
+            "xnode": (nx + 1,)}[location]
+
+
+def grow(state, extra_x, extra_z):
+    """Enlarge every field by `extra_x` columns at the far end and `extra_z` rows at the top.
+
+    The level set is continued with its last slope away from the grains, everything else with zero.
+    """
+    nx, nz = state.pressure_filled.shape
+    for name, (location, *_) in FIELDS.items():
+        old = getattr(state, name)
+        new = np.zeros(location_shape(location, nx + extra_x, nz + extra_z))
+        new[tuple(slice(n) for n in old.shape)] = old
+        setattr(state, name, new)
+    phi = state.level_set
+    for i in range(nx + 1, nx + extra_x + 1):
+        phi[i, : nz + 1] = phi[i - 1, : nz + 1] + np.maximum(phi[i - 1, : nz + 1] - phi[i - 2, : nz + 1], 0.0)
+    for k in range(nz + 1, nz + extra_z + 1):
+        phi[:, k] = phi[:, k - 1] + np.maximum(phi[:, k - 1] - phi[:, k - 2], 0.0)

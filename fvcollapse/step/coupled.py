@@ -1,0 +1,309 @@
+"""Velocity and pressure of one step together: nonlinear sweeps over one banded Cholesky solve each.
+
+    rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,      0 <= p  perpendicular to  div u >= 0
+
+Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves
+(A + r B^T B) u = f + B^T P for all active faces at once, then updates the multiplier P -= r B u (augmented Lagrangian,
+B = div). With a direct factorisation r may be far above any viscosity, so P is nearly exact after one sweep and no
+splitting error exists: a static state is static for any time step. A cell whose P turns negative is released (P = 0,
+free to open) and taken up again with P = 0 when it is being compressed; in the bilateral form every wet cell stays.
+"""
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .banded import factorise, solve_factorised
+from .coulomb_walls import back_wall_friction, bed_friction
+from .lateral_friction import face_pressures, sink_coefficients
+from .rheology import with_shear_rate_min
+from .strain import strain_rates
+from .viscous import add_incompressibility, add_viscous, divergence, viscosity_weights
+
+MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
+
+
+class Balance(NamedTuple):
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w / w, 0 without lateral walls."""
+
+    dt: float
+    density: float
+    gx: float
+    gz: float
+    mu_bed: float
+    mu_back_wall: float
+    wall_strength: float
+    slip_min: float
+    penalty: float
+    unilateral: bool
+    tolerance: float
+    speed_scale: float
+    max_sweeps: int
+    rate_start: float
+
+
+class Work(NamedTuple):
+    """Scratch arrays of the sweeps on one grid shape."""
+
+    e_centre: np.ndarray
+    g_node: np.ndarray
+    weight_centre: np.ndarray
+    weight_node: np.ndarray
+    k_bed: np.ndarray
+    k_wall: np.ndarray
+    pressure_x: np.ndarray
+    pressure_z: np.ndarray
+    sink_x: np.ndarray
+    sink_z: np.ndarray
+    constrained: np.ndarray
+    multiplier: np.ndarray
+    integers: np.ndarray
+
+
+class Outcome(NamedTuple):
+    """What the sweeps report: `change` of the last sweep and `residual` of the momentum balance are relative."""
+
+    sweeps: int
+    change: float
+    divergence: float
+    residual: float
+    info: int
+    released: int
+
+
+def allocate_work(nx, nz):
+    """Scratch arrays for an nx by nz grid."""
+    return Work(np.zeros((nx, nz)), np.zeros((nx + 1, nz + 1)), np.zeros((nx, nz)), np.zeros((nx + 1, nz + 1)),
+                np.zeros(nx + 1), np.zeros(nz + 1), np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)),
+                np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)), np.zeros((nx, nz), np.bool_), np.zeros((nx, nz)),
+                np.zeros(8, np.int32))
+
+
+@njit(cache=True)
+def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
+    """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
+    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    viscosity_weights(work.weight_centre, work.weight_node, work.e_centre, work.g_node, pressure_filled, geometry,
+                      material)
+    bed_friction(work.k_bed, bed_slip, u, pressure_filled, work.weight_centre, work.e_centre, geometry, material,
+                 balance.gz, balance.density, balance.mu_bed, dz)
+    back_wall_friction(work.k_wall, w, pressure_filled, work.weight_centre, work.e_centre, geometry, material,
+                       balance.gx, balance.density, balance.mu_back_wall, dx)
+    if balance.wall_strength > 0.0:
+        face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+        sink_coefficients(work.sink_x, work.sink_z, u, w, work.pressure_x, work.pressure_z, geometry,
+                          balance.wall_strength, balance.slip_min)
+
+
+@njit(cache=True)
+def _last_face(geometry):
+    """End of the x-faces that belong to the solved columns (a periodic stretch counts its first face only)."""
+    return geometry.last + (1 if geometry.first == 0 else 0)
+
+
+@njit(cache=True)
+def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
+    """Inertia, weight and wall frictions: the diagonal of the band and the right-hand side."""
+    inertia = balance.density / balance.dt
+    nz = geometry.filled.shape[1]
+    for i in range(geometry.first, _last_face(geometry)):
+        for k in range(nz):
+            n = geometry.index_u[i, k]
+            if n >= 0:
+                mass = geometry.mass_x[i, k]
+                m = inertia * max(mass, MASS_FLOOR)
+                band[n, 0] += m + work.sink_x[i, k]
+                if k == 0:
+                    band[n, 0] += work.k_bed[i] / dz
+                rhs[n] = m * u_star[i, k] + balance.density * balance.gx * mass
+    for i in range(geometry.first, geometry.last):
+        for k in range(nz + 1):
+            n = geometry.index_w[i, k]
+            if n >= 0:
+                mass = geometry.mass_z[i, k]
+                m = inertia * max(mass, MASS_FLOOR)
+                band[n, 0] += m + work.sink_z[i, k]
+                if i == 0:
+                    band[n, 0] += work.k_wall[k] / dx
+                rhs[n] = m * w_star[i, k] + balance.density * balance.gz * mass
+
+
+@njit(cache=True)
+def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
+    """rhs += B^T P: minus the discrete pressure gradient."""
+    nz = pressure_filled.shape[1]
+    iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
+    for i in range(geometry.first, geometry.last):
+        for k in range(nz):
+            p = pressure_filled[i, k]
+            if p != 0.0:
+                if iu[i, k] >= 0:
+                    rhs[iu[i, k]] -= p * aperture[i, k] / dx
+                if iu[i + 1, k] >= 0:
+                    rhs[iu[i + 1, k]] += p * aperture[i + 1, k] / dx
+                if iw[i, k] >= 0:
+                    rhs[iw[i, k]] -= p / dz
+                if iw[i, k + 1] >= 0:
+                    rhs[iw[i, k + 1]] += p / dz
+
+
+@njit(cache=True)
+def take_solution(u, w, solution, geometry):
+    """Write the solution to the faces; return (largest change, largest speed), m/s."""
+    nx, nz = geometry.filled.shape
+    change = largest = 0.0
+    for i in range(nx + 1):
+        for k in range(nz):
+            n = geometry.index_u[i, k]
+            if n >= 0:
+                change = max(change, abs(solution[n] - u[i, k]))
+                largest = max(largest, abs(solution[n]))
+                u[i, k] = solution[n]
+    for i in range(nx):
+        for k in range(nz + 1):
+            n = geometry.index_w[i, k]
+            if n >= 0:
+                change = max(change, abs(solution[n] - w[i, k]))
+                largest = max(largest, abs(solution[n]))
+                w[i, k] = solution[n]
+    return change, largest
+
+
+@njit(cache=True)
+def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, dx, dz):
+    """Cells in which div u = 0 is imposed first: all wet ones, or those under pressure or being compressed."""
+    nx, nz = constrained.shape
+    for i in range(nx):
+        for k in range(nz):
+            wet = geometry.filled[i, k] > 1.0e-8
+            if not wet:
+                pressure_filled[i, k] = 0.0
+            constrained[i, k] = wet and (not unilateral or pressure_filled[i, k] > 0.0
+                                         or divergence(u, w, geometry.aperture, i, k, dx, dz) <= 0.0)
+
+
+@njit(cache=True)
+def update_multiplier(pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz):
+    """P -= r div u where constrained, then release and take up cells; return (largest |div u|, changed cells)."""
+    nx, nz = constrained.shape
+    largest = 0.0
+    changed = 0
+    for i in range(nx):
+        for k in range(nz):
+            multiplier[i, k] = 0.0
+            if geometry.filled[i, k] <= 1.0e-8:
+                continue
+            div = divergence(u, w, geometry.aperture, i, k, dx, dz)
+            if constrained[i, k]:
+                p = pressure_filled[i, k] - balance.penalty * div
+                multiplier[i, k] = p
+                if balance.unilateral and p < 0.0:
+                    p = 0.0
+                    if may_release:
+                        constrained[i, k] = False
+                        changed += 1
+                else:
+                    largest = max(largest, abs(div))
+                pressure_filled[i, k] = p
+            elif div < 0.0:
+                constrained[i, k] = True
+                changed += 1
+    return largest, changed
+
+
+@njit(cache=True)
+def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
+    """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
+    nz = geometry.filled.shape[1]
+    iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
+    residual[:] = 0.0
+    for i in range(geometry.first, geometry.last):
+        for k in range(nz):
+            e = 4.0 * work.weight_centre[i, k] * 0.5 * (
+                (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) / dx - (w[i, k + 1] - w[i, k]) / dz)
+            p = work.multiplier[i, k]
+            _add(residual, iu[i, k], (-0.5 * e + p) * aperture[i, k] / dx)
+            _add(residual, iu[i + 1, k], (0.5 * e - p) * aperture[i + 1, k] / dx)
+            _add(residual, iw[i, k], (0.5 * e + p) / dz)
+            _add(residual, iw[i, k + 1], (-0.5 * e - p) / dz)
+            if work.weight_node[i, k] > 0.0:
+                g = work.weight_node[i, k] * ((u[i, k] - u[i, k - 1]) / dz + (w[i, k] - w[i - 1, k]) / dx)
+                _add(residual, iu[i, k - 1], -g / dz)
+                _add(residual, iu[i, k], g / dz)
+                _add(residual, iw[i - 1, k], -g / dx)
+                _add(residual, iw[i, k], g / dx)
+    inertia = balance.density / balance.dt
+    for i in range(geometry.first, _last_face(geometry)):
+        for k in range(nz):
+            if iu[i, k] >= 0:
+                mass = geometry.mass_x[i, k]
+                friction = work.sink_x[i, k] + (work.k_bed[i] / dz if k == 0 else 0.0)
+                residual[iu[i, k]] += (inertia * max(mass, MASS_FLOOR) * (u[i, k] - u_star[i, k])
+                                       + friction * u[i, k] - balance.density * balance.gx * mass)
+    for i in range(geometry.first, geometry.last):
+        for k in range(nz + 1):
+            if iw[i, k] >= 0:
+                mass = geometry.mass_z[i, k]
+                friction = work.sink_z[i, k] + (work.k_wall[k] / dx if i == 0 else 0.0)
+                residual[iw[i, k]] += (inertia * max(mass, MASS_FLOOR) * (w[i, k] - w_star[i, k])
+                                       + friction * w[i, k] - balance.density * balance.gz * mass)
+    weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
+    largest = 0.0
+    for n in range(residual.size):
+        if not abs(residual[n]) <= largest:  # also true for NaN, which must surface
+            largest = abs(residual[n])
+    return largest / weight if weight > 0.0 else largest
+
+
+@njit(cache=True)
+def _add(vector, n, value):
+    if n >= 0:
+        vector[n] += value
+
+
+@njit(cache=True)
+def solve(u, w, pressure_filled, bed_slip, work, band, rhs, u_star, w_star, geometry, material, balance, dx, dz,
+          addresses):
+    """Advance (u, w, P) from the predictor (u*, w*) by nonlinear sweeps; return an `Outcome`.
+
+    Parameters
+    ----------
+    u, w, pressure_filled, bed_slip : arrays
+        In: first guess; out: solution on the unknown faces and wet cells.
+    band : (n, kd + 1) array; rhs : (n,) array
+        Scratch of the size that `number_unknowns` gave.
+    u_star, w_star : arrays
+        Velocity after advection.
+    """
+    start_constraints(work.constrained, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
+    change = residual = div_max = math.inf
+    sweeps = info = changed = 0
+    for sweep in range(balance.max_sweeps):
+        rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
+        softened = with_shear_rate_min(material, rate)
+        coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
+        band[:] = 0.0
+        add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
+        add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
+        add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
+        for i in range(work.constrained.shape[0]):
+            for k in range(work.constrained.shape[1]):
+                if not work.constrained[i, k]:
+                    pressure_filled[i, k] = 0.0
+        add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+        info = factorise(band, work.integers, addresses)
+        if info != 0:
+            break
+        solve_factorised(rhs, band, work.integers, addresses)
+        change, largest = take_solution(u, w, rhs, geometry)
+        div_max, changed = update_multiplier(pressure_filled, work.multiplier, work.constrained, u, w, geometry,
+                                             balance, sweep < balance.max_sweeps // 2, dx, dz)
+        sweeps = sweep + 1
+        change /= max(largest, balance.speed_scale)
+        if not change < 1.0e6:
+            break
+        if sweep > 0 and rate <= material.shear_rate_min and change < balance.tolerance:
+            break
+    residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
+    return Outcome(sweeps, change, div_max, residual, info, changed)

@@ -1,0 +1,221 @@
+"""How much of each cell and face the grains fill, from the level set at the nodes.
+
+In every cell the surface is the polygon cut by linear interpolation along the four edges. The mass of a cell is
+split between its two opposite faces by the lever rule (its centroid), so that the face masses carry the exact mass
+and first moment. With the multiplier P = filled fraction * mean pressure, the discrete gradient of P then balances
+gravity exactly for any plane level surface, at any angle to the grid; and sum(P) is the exact volume integral of
+the pressure, which is what wall friction needs.
+"""
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+WET = 1.0e-8  # filled fraction below which a cell counts as empty; its weight is below round-off of its neighbours
+
+
+class Geometry(NamedTuple):
+    """Fluid fractions of one step; all dimensionless, as fractions of a full cell.
+
+    filled (nx, nz); lever_x, lever_z (nx, nz): part of the cell's mass carried by its right / top face;
+    mass_x (nx+1, nz), mass_z (nx, nz+1); aperture (nx+1, nz): open part of each x-face (gate);
+    bed_cover (nx,), wall_cover (nz,): wetted part of each cell's stretch of the bed and of the back wall;
+    index_u, index_w: number of the unknown on each face, -1 where there is none;
+    first, last: the columns [first, last) that are solved; all of them, but for the halo of a periodic stretch.
+    """
+
+    filled: np.ndarray
+    lever_x: np.ndarray
+    lever_z: np.ndarray
+    mass_x: np.ndarray
+    mass_z: np.ndarray
+    aperture: np.ndarray
+    bed_cover: np.ndarray
+    wall_cover: np.ndarray
+    index_u: np.ndarray
+    index_w: np.ndarray
+    first: int
+    last: int
+
+
+def allocate_geometry(nx, nz, halo=0):
+    """Empty `Geometry` for an nx by nz grid, of which `halo` columns at each end repeat a periodic stretch."""
+    return Geometry(
+        np.zeros((nx, nz)), np.zeros((nx, nz)), np.zeros((nx, nz)), np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)),
+        np.ones((nx + 1, nz)), np.zeros(nx), np.zeros(nz), np.full((nx + 1, nz), -1, np.int64), np.full((nx, nz + 1), -1, np.int64),
+        halo, nx - halo)
+
+
+@njit(cache=True)
+def polygon_moments(phi_00, phi_10, phi_11, phi_01):
+    """Area and first moments of the part of the unit square where phi < 0.
+
+    Parameters
+    ----------
+    phi_00, phi_10, phi_11, phi_01 : float
+        Level set at the corners, anticlockwise from the lower left; only ratios matter.
+
+    Returns
+    -------
+    area, moment_x, moment_z : float
+        Integrals of 1, x and z over the polygon.
+    """
+    if phi_00 < 0.0 and phi_10 < 0.0 and phi_11 < 0.0 and phi_01 < 0.0:
+        return 1.0, 0.5, 0.5
+    if phi_00 >= 0.0 and phi_10 >= 0.0 and phi_11 >= 0.0 and phi_01 >= 0.0:
+        return 0.0, 0.0, 0.0
+    phi = (phi_00, phi_10, phi_11, phi_01, phi_00)
+    corner_x = (0.0, 1.0, 1.0, 0.0, 0.0)
+    corner_z = (0.0, 0.0, 1.0, 1.0, 0.0)
+    count = 0
+    x_first = z_first = x_last = z_last = 0.0
+    area = moment_x = moment_z = 0.0
+    for edge in range(4):
+        a = phi[edge]
+        b = phi[edge + 1]
+        for part in range(2):  # the corner itself, then the crossing of the edge that follows it
+            if part == 0:
+                if a >= 0.0:
+                    continue
+                x = corner_x[edge]
+                z = corner_z[edge]
+            else:
+                if (a < 0.0) == (b < 0.0):
+                    continue
+                t = a / (a - b)
+                x = corner_x[edge] + t * (corner_x[edge + 1] - corner_x[edge])
+                z = corner_z[edge] + t * (corner_z[edge + 1] - corner_z[edge])
+            if count == 0:
+                x_first = x
+                z_first = z
+            elif count >= 2:
+                twice = (x_last - x_first) * (z - z_first) - (x - x_first) * (z_last - z_first)
+                area += 0.5 * twice
+                moment_x += twice * (x_first + x_last + x) / 6.0
+                moment_z += twice * (z_first + z_last + z) / 6.0
+            x_last = x
+            z_last = z
+            count += 1
+    return area, moment_x, moment_z
+
+
+@njit(cache=True)
+def fill_cells(filled, lever_x, lever_z, level_set, gate_i, gate_k):
+    """Filled fraction and lever shares of every cell.
+
+    Behind a gate (x-face `gate_i`, closed from row `gate_k` up) the surface continues straight through the gate as
+    through any wall, so that a column standing against it has no spurious corner there.
+    """
+    nx, nz = filled.shape
+    for i in range(nx):
+        for k in range(nz):
+            right_low = level_set[i + 1, k]
+            right_high = level_set[i + 1, k + 1]
+            if i + 1 == gate_i and k >= gate_k and i > 0:
+                right_low = min(right_low, 2.0 * level_set[i, k] - level_set[i - 1, k])
+                right_high = min(right_high, 2.0 * level_set[i, k + 1] - level_set[i - 1, k + 1])
+            area, mx, mz = polygon_moments(level_set[i, k], right_low, right_high, level_set[i, k + 1])
+            filled[i, k] = area
+            lever_x[i, k] = mx
+            lever_z[i, k] = mz
+
+
+@njit(cache=True)
+def fill_faces(mass_x, mass_z, filled, lever_x, lever_z):
+    """Face masses: what the two adjacent cells hand to each face by the lever rule."""
+    nx, nz = filled.shape
+    mass_x[:] = 0.0
+    mass_z[:] = 0.0
+    for i in range(nx):
+        for k in range(nz):
+            mass_x[i, k] += filled[i, k] - lever_x[i, k]
+            mass_x[i + 1, k] += lever_x[i, k]
+            mass_z[i, k] += filled[i, k] - lever_z[i, k]
+            mass_z[i, k + 1] += lever_z[i, k]
+
+
+@njit(cache=True)
+def wetted_edge(phi_a, phi_b):
+    """Part of an edge with end values phi_a, phi_b that lies in the grains (phi < 0)."""
+    if phi_a < 0.0 and phi_b < 0.0:
+        return 1.0
+    if phi_a >= 0.0 and phi_b >= 0.0:
+        return 0.0
+    return min(phi_a, phi_b) / (min(phi_a, phi_b) - max(phi_a, phi_b))
+
+
+@njit(cache=True)
+def fill_walls(bed_cover, wall_cover, level_set):
+    """Wetted part of each cell's stretch of the bed and of the back wall."""
+    for i in range(bed_cover.size):
+        bed_cover[i] = wetted_edge(level_set[i, 0], level_set[i + 1, 0])
+    for k in range(wall_cover.size):
+        wall_cover[k] = wetted_edge(level_set[0, k], level_set[0, k + 1])
+
+
+@njit(cache=True)
+def number_unknowns(index_u, index_w, filled, aperture, open_end, first, last):
+    """Number the faces that touch a wet cell, column by column; return (count, half bandwidth).
+
+    A face between a filled and an empty cell is an unknown too: otherwise a free vertical face would be a wall.
+    The columns outside [first, last) repeat a periodic stretch and share its numbers.
+    """
+    nx, nz = filled.shape
+    index_u[:] = -1
+    index_w[:] = -1
+    n = 0
+    periodic = first > 0
+    for i in range(first, last if periodic else nx + 1):
+        for k in range(nz):
+            left = i > 0 and filled[i - 1, k] > WET
+            right = i < nx and filled[i, k] > WET
+            if i > 0 and (i < nx or open_end) and (left or right) and aperture[i, k] > 0.0:
+                index_u[i, k] = n
+                n += 1
+            if i < nx and k > 0 and (filled[i, k] > WET or filled[i, k - 1] > WET):
+                index_w[i, k] = n
+                n += 1
+    if periodic:
+        repeat_columns(index_u, first, last)
+        repeat_columns(index_w, first, last)
+    return n, _half_bandwidth(index_u, index_w, first, last)
+
+
+@njit(cache=True)
+def repeat_columns(field, first, last):
+    """Copy the periodic stretch [first, last) of a field into its halo, in place."""
+    period = last - first
+    for i in range(field.shape[0]):
+        if i < first or i >= last:
+            field[i] = field[first + (i - first) % period]
+
+
+@njit(cache=True)
+def _half_bandwidth(index_u, index_w, first, last):
+    """Largest distance between two unknowns of one cell or one node."""
+    nz = index_u.shape[1]
+    width = 0
+    for i in range(first, last):
+        for k in range(nz):
+            width = max(width, _spread(index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1]))
+            if i > 0 and k > 0:
+                width = max(width, _spread(index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k]))
+    return width
+
+
+@njit(cache=True)
+def _spread(a, b, c, d):
+    high = max(max(a, b), max(c, d))
+    low = high
+    for n in (a, b, c, d):
+        if n >= 0:
+            low = min(low, n)
+    return high - low if high >= 0 else 0
+
+
+def cell_fractions(level_set):
+    """Filled fraction of each cell, (nx, nz), from the node level set, with no gate."""
+    nx, nz = level_set.shape[0] - 1, level_set.shape[1] - 1
+    filled, lever_x, lever_z = np.empty((nx, nz)), np.empty((nx, nz)), np.empty((nx, nz))
+    fill_cells(filled, lever_x, lever_z, level_set, -1, 0)
+    return filled

@@ -1,0 +1,161 @@
+"""Viscosity of the granular mass: eta(shear rate, pressure), one function for every law.
+
+Norm convention, used everywhere: shear_rate = sqrt(2 D:D) (twice the paper's norm of D), stress S = 2 eta D, so that
+in simple shear tau = eta du/dz. The plastic part of every law is regularised once, as
+yield / sqrt(shear_rate^2 + shear_rate_min^2): a stressed but unyielded mass creeps at a rate known in closed form
+instead of being rigid.
+
+| law | tau(shear_rate, p) | source |
+|---|---|---|
+| mu_I | mu_1 p + cohesion + eta_I shear_rate | Martin et al. (2017), equations 3-7 |
+| drucker_prager | mu_1 p + cohesion + viscosity shear_rate | the same, equations 1 and 8 |
+| bingham | cohesion + viscosity shear_rate | equation 1 with mu = 0 |
+| newtonian | viscosity shear_rate | |
+| mu_I_regularised | mu(I) p, mu -> 0 logarithmically as I -> 0 | Barker & Gray (2017), equations 6.3-6.4 |
+"""
+import math
+from typing import NamedTuple
+
+from numba import njit
+
+from .ill_posedness import lower_well_posed_limit
+
+MU_I, DRUCKER_PRAGER, BINGHAM, NEWTONIAN, MU_I_REGULARISED = range(5)
+LAWS = {"mu_I": MU_I, "drucker_prager": DRUCKER_PRAGER, "bingham": BINGHAM, "newtonian": NEWTONIAN,
+        "mu_I_regularised": MU_I_REGULARISED}
+ETA_FLOOR = 1.0e-3  # Pa s; a flow without pressure keeps a little viscosity, far below that of any law here
+
+
+class Material(NamedTuple):
+    """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number."""
+
+    law: int
+    mu_1: float
+    mu_2: float
+    I_0: float
+    viscosity: float
+    cohesion: float
+    grain_scale: float
+    shear_rate_min: float
+    I_1: float
+    A_minus: float
+    alpha: float
+    mu_infinity: float
+
+
+def material(case):
+    """`Material` of a case; the older wall closure (equation 21) raises mu_1 and mu_2 here.
+
+    Parameters
+    ----------
+    case : Case
+        With `rheology`, `numerics`, and `effects.lateral_friction`.
+
+    Returns
+    -------
+    Material
+    """
+    rheology = case.rheology
+    walls = case.effects.lateral_friction
+    extra = 0.0
+    if walls is not None and walls.closure == "friction_increase":
+        extra = walls.mu_wall * walls.flowing_thickness / case.geometry.channel_width
+    mu_1, mu_2 = rheology.mu_1 + extra, rheology.mu_2 + extra
+    law = LAWS[rheology.law]
+    I_1 = A_minus = 0.0
+    if law == MU_I_REGULARISED:
+        I_1 = lower_well_posed_limit(mu_1, mu_2, rheology.I_0)
+        mu_at_I_1 = mu_of_upper_branch(I_1, mu_1, mu_2, rheology.I_0, rheology.mu_infinity)
+        A_minus = I_1 * math.exp(rheology.alpha_regularised / mu_at_I_1**2)
+    return Material(law, mu_1, mu_2, rheology.I_0, rheology.viscosity, rheology.cohesion,
+                    rheology.grain_diameter * math.sqrt(rheology.density_grain), case.numerics.shear_rate_min,
+                    I_1, A_minus, rheology.alpha_regularised, rheology.mu_infinity)
+
+
+@njit(cache=True)
+def with_shear_rate_min(material, shear_rate_min):
+    """The same material with another regularisation rate (1/s)."""
+    return Material(material.law, material.mu_1, material.mu_2, material.I_0, material.viscosity, material.cohesion,
+                    material.grain_scale, shear_rate_min, material.I_1, material.A_minus, material.alpha,
+                    material.mu_infinity)
+
+
+@njit(cache=True)
+def inertial_number(shear_rate, pressure, grain_scale):
+    """Inertial number I = shear_rate d sqrt(rho_grain) / sqrt(p), equation 3; inf without pressure."""
+    if pressure <= 0.0:
+        return math.inf if shear_rate > 0.0 else 0.0
+    return shear_rate * grain_scale / math.sqrt(pressure)
+
+
+@njit(cache=True)
+def mu_of_inertial_number(inertial, mu_1, mu_2, I_0):
+    """mu(I) = mu_1 + (mu_2 - mu_1) / (1 + I_0/I), equation 4."""
+    return mu_1 + (mu_2 - mu_1) * inertial / (inertial + I_0)
+
+
+@njit(cache=True)
+def mu_of_upper_branch(inertial, mu_1, mu_2, I_0, mu_infinity):
+    """(mu_1 I_0 + mu_2 I + mu_inf I^2) / (I_0 + I), Barker & Gray (2017), equation 6.3."""
+    return (mu_1 * I_0 + mu_2 * inertial + mu_infinity * inertial * inertial) / (I_0 + inertial)
+
+
+@njit(cache=True)
+def mu_regularised(inertial, material):
+    """Partially regularised mu(I): sqrt(alpha / ln(A/I)) below I_1, the upper branch above."""
+    if inertial <= 0.0:
+        return 0.0
+    if inertial < material.I_1:
+        return math.sqrt(material.alpha / math.log(material.A_minus / inertial))
+    return mu_of_upper_branch(inertial, material.mu_1, material.mu_2, material.I_0, material.mu_infinity)
+
+
+@njit(cache=True)
+def effective_viscosity(shear_rate, pressure, material):
+    """eta = tau / shear_rate in Pa s.
+
+    Parameters
+    ----------
+    shear_rate : float
+        sqrt(2 D:D), 1/s, >= 0.
+    pressure : float
+        Pa; its positive part acts.
+    material : Material
+
+    Returns
+    -------
+    float
+        Pa s, between `ETA_FLOOR` and yield / shear_rate_min + viscous part.
+    """
+    p = max(pressure, 0.0)
+    plastic = 1.0 / math.sqrt(shear_rate * shear_rate + material.shear_rate_min * material.shear_rate_min)
+    if material.law == MU_I:
+        eta = (material.mu_1 * p + material.cohesion) * plastic
+        if p > 0.0:
+            eta += (material.mu_2 - material.mu_1) * p / (
+                shear_rate + material.I_0 * math.sqrt(p) / material.grain_scale)
+    elif material.law == DRUCKER_PRAGER:
+        eta = (material.mu_1 * p + material.cohesion) * plastic + material.viscosity
+    elif material.law == BINGHAM:
+        eta = material.cohesion * plastic + material.viscosity
+    elif material.law == NEWTONIAN:
+        eta = material.viscosity
+    else:
+        mu = mu_regularised(inertial_number(shear_rate, p, material.grain_scale), material) if p > 0.0 else 0.0
+        eta = (mu * p + material.cohesion) * plastic
+    return max(eta, ETA_FLOOR)
+
+
+@njit(cache=True)
+def shear_rate_at_stress(stress, pressure, upper, material):
+    """Shear rate in [0, upper] at which eta * shear_rate = stress (the law is monotone), by bisection; 1/s."""
+    low, high = 0.0, upper
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if middle * effective_viscosity(middle, pressure, material) < stress:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 1e-9 * upper:
+            break
+    return 0.5 * (low + high)

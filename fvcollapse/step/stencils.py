@@ -1,0 +1,36 @@
+"""One-sided differences of Hamilton-Jacobi form, shared by the advection of the level set and of the momentum."""
+from numba import njit
+
+
+@njit(cache=True)
+def derivative_weno3(m2, m1, c, p1, p2, velocity, h):
+    """Third-order WENO difference at c, biased against `velocity`; Jiang & Peng (2000). Units of c per h."""
+    if velocity >= 0.0:
+        a, b, d = (m1 - m2) / h, (c - m1) / h, (p1 - c) / h
+    else:
+        a, b, d = (p2 - p1) / h, (p1 - c) / h, (c - m1) / h
+    r = (1e-6 + (b - a) ** 2) / (1e-6 + (d - b) ** 2)
+    weight = 1.0 / (1.0 + 2.0 * r * r)
+    return 0.5 * (b + d) - 0.5 * weight * (a - 2.0 * b + d)
+
+
+@njit(cache=True)
+def derivative_weno5(v1, v2, v3, v4, v5):
+    """Fifth-order WENO combination of five divided differences, upwind first; Jiang & Peng (2000)."""
+    s1 = 13.0 / 12.0 * (v1 - 2.0 * v2 + v3) ** 2 + 0.25 * (v1 - 4.0 * v2 + 3.0 * v3) ** 2
+    s2 = 13.0 / 12.0 * (v2 - 2.0 * v3 + v4) ** 2 + 0.25 * (v2 - v4) ** 2
+    s3 = 13.0 / 12.0 * (v3 - 2.0 * v4 + v5) ** 2 + 0.25 * (3.0 * v3 - 4.0 * v4 + v5) ** 2
+    epsilon = 1e-6 * max(v1 * v1, v2 * v2, v3 * v3, v4 * v4, v5 * v5) + 1e-99
+    a1, a2, a3 = 0.1 / (s1 + epsilon) ** 2, 0.6 / (s2 + epsilon) ** 2, 0.3 / (s3 + epsilon) ** 2
+    p1 = v1 / 3.0 - 7.0 * v2 / 6.0 + 11.0 * v3 / 6.0
+    p2 = -v2 / 6.0 + 5.0 * v3 / 6.0 + v4 / 3.0
+    p3 = v3 / 3.0 + 5.0 * v4 / 6.0 - v5 / 6.0
+    return (a1 * p1 + a2 * p2 + a3 * p3) / (a1 + a2 + a3)
+
+
+@njit(cache=True)
+def minmod(a, b):
+    """The smaller of two slopes, zero if they differ in sign."""
+    if a * b <= 0.0:
+        return 0.0
+    return a if abs(a) < abs(b) else b

@@ -1,0 +1,50 @@
+"""Errors are one line, survive a process pool, and decide the exit status."""
+
+import pickle
+
+import pytest
+
+from fvcollapse import __main__ as command_line
+from fvcollapse.errors import CaseError, FvcollapseError, NumericalError, OutputError
+
+ERRORS = [
+    (CaseError("a.toml", "grid.cell_size", "-1", "> 0"), 2),
+    (NumericalError("no convergence\nafter 5 halvings", "at x = 0.3 m", 0.125), 1),
+    (NumericalError("the domain is full"), 1),
+    (OutputError("out/result.h5", OSError(28, "No space left on device"), running=True), 1),
+    (OutputError("out", "not a folder"), 2),
+]
+
+
+@pytest.mark.parametrize(("error", "status"), ERRORS)
+def test_error_is_one_line_and_sets_the_exit_status(error, status, monkeypatch, capsys):
+    def fail(arguments):
+        raise error
+
+    monkeypatch.setattr(command_line, "keys", fail)
+    assert command_line.main(["keys"]) == status
+    assert capsys.readouterr().err == f"{error}\n"
+    assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize(("error", "status"), ERRORS)
+def test_error_survives_a_process_pool(error, status):
+    copy = pickle.loads(pickle.dumps(error))
+    assert isinstance(copy, FvcollapseError)
+    assert type(copy) is type(error)
+    assert str(copy) == str(error)
+    assert copy.exit_status == status
+
+
+def test_numerical_error_says_what_where_and_when():
+    message = str(NumericalError("negative volume", "at x = 0.3 m", 0.125))
+    assert message == "negative volume, at x = 0.3 m, at t = 0.125 s"
+
+
+def test_interruption_is_130(monkeypatch, capsys):
+    def interrupt(arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command_line, "keys", interrupt)
+    assert command_line.main(["keys"]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
