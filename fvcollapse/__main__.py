@@ -47,6 +47,7 @@ def command_line():
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     add_run(commands)
     add_plot(commands)
+    add_verify(commands)
     add_keys(commands)
     return parser
 
@@ -126,6 +127,26 @@ def distinct_names(results):
     if len(set(names)) == len(names):
         return names
     return [f"{number}-{name}" for number, name in enumerate(names, start=1)]
+
+
+def add_verify(commands):
+    """`verify`: the analytic problems."""
+    parser = commands.add_parser(
+        "verify", help="compare the solver with exact solutions", description=verify.__doc__
+    )
+    parser.add_argument(
+        "names", metavar="NAME", nargs="*", help="verification problems; default all"
+    )
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the table as JSON")
+    parser.set_defaults(command=verify)
+
+
+def verify(arguments):
+    """Solve flows with an exact solution on several grids; print errors and orders (0: all pass)."""
+    from fvcollapse.verification import verify as verify_problems
+
+    rows = verify_problems(arguments.names, arguments.json)
+    return 0 if all(row["passed"] for row in rows) else 1
 
 
 def add_keys(commands):

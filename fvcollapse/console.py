@@ -2,6 +2,7 @@
 
 import logging
 import platform
+import shutil
 import signal
 import sys
 import threading
@@ -60,14 +61,15 @@ def log_start(log, case, stored):
 
 def progress_bar(case, start, quiet):
     """Bar over the simulated time with step, dt and ETA, on stderr."""
-    layout = (
-        "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}, {postfix}]"
-    )
+    layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
+    terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room at all
     return tqdm(
         total=max(case.time.end, start),
         initial=start,
         file=sys.stderr,
         bar_format=layout,
+        ncols=terminal.columns,
+        nrows=terminal.lines,
         disable=quiet or not sys.stderr.isatty(),
     )
 

@@ -13,12 +13,13 @@ from .case import GRAVITY
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
-from .step import coupled, level_set
+from .step import coupled, level_set, projection
 from .step.banded import lapack_addresses
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
 from .step.geometry import allocate_geometry, fill_cells, fill_faces, fill_walls, number_unknowns, repeat_columns
 from .step.initial import HALO, MARGIN, initial_grid, initial_state
+from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
 from .step import quantities
 from .step.rheology import material
@@ -26,7 +27,7 @@ from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_w
 
 REINITIALISE_EVERY = 20
 DISTANCE_TOLERANCE = 0.9
-TRUSTED_MASS = 0.05
+FILM = 1.5e-3
 GROWTH = 16
 
 
@@ -160,7 +161,7 @@ class Simulation:
         state, (dx, dz) = self.state, self.spacing
         geometry = self.geometry
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
-        level_set.node_velocity(u_node, w_node, state.u, state.w, state.bed_slip)
+        level_set.node_velocity(u_node, w_node, state.u, state.w)
         level_set.advect(state.level_set, u_node, w_node, dt, dx, dz)
         state.steps_since_reinitialisation += 1
         if (state.steps_since_reinitialisation >= REINITIALISE_EVERY
@@ -197,15 +198,26 @@ class Simulation:
         self.unknowns = number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture,
                                         self.case.boundary.right_end == "open", geometry.first, geometry.last)
 
-    def _solve(self, u_star, w_star, dt, max_sweeps=None, tolerance=None):
+    def _solve(self, u_star, w_star, dt):
+        state, walls = self.state, self.case.effects.lateral_friction
+        balance = self._balance(dt)
+        if balance.wall_strength > 0.0 and walls.scheme == "split":
+            u_star, w_star = brake_before_solve(u_star, w_star, state.pressure_filled, self.work, self.geometry,
+                                                balance, coupled.MASS_FLOOR, *self.spacing)
+            balance = balance._replace(wall_strength=0.0)
+        if self.case.numerics.method == "projection":
+            return projection.solve(state, self.work, self.unknowns, u_star, w_star, self.geometry, self.material,
+                                    balance, *self.spacing)
+        return self._solve_coupled(u_star, w_star, balance)
+
+    def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
         n, half_bandwidth = self.unknowns
         band, rhs = np.empty((n, half_bandwidth + 1)), np.empty(n)
-        balance = self._balance(dt, max_sweeps, tolerance)
         return coupled.solve(state.u, state.w, state.pressure_filled, state.bed_slip, self.work, band, rhs, u_star,
                              w_star, self.geometry, self.material, balance, *self.spacing, self.addresses)
 
-    def _balance(self, dt, max_sweeps, tolerance):
+    def _balance(self, dt, max_sweeps=None, tolerance=None):
         case, numerics = self.case, self.case.numerics
         walls = case.effects.lateral_friction
         strength = 0.0
@@ -216,13 +228,13 @@ class Simulation:
         return coupled.Balance(dt, case.rheology.density_bulk, *self.gravity, float(case.boundary.mu_bed),
                                0.0 if self.halo else float(case.boundary.mu_back_wall), strength,
                                0.1 * numerics.shear_rate_min * case.geometry.height_0, 1e8, numerics.unilateral,
-                               tolerance or numerics.tolerance, 1e-3 * scale, max_sweeps or numerics.max_sweeps,
+                               tolerance or numerics.tolerance, 0.01 * scale, max_sweeps or numerics.max_sweeps,
                                rate_start)
 
     def _continue_velocity(self):
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
-        mark_known(known_u, known_w, self.geometry, TRUSTED_MASS)
+        mark_known(known_u, known_w, self.geometry, FILM, self.spacing[1])
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
         self._repeat(state.u, state.w)
@@ -254,7 +266,9 @@ class Simulation:
         state = self.state
         self._place(0.0, closed=True)
         state.volume_0 = self.geometry.filled.sum() * self.spacing[0] * self.spacing[1]
-        self._solve(np.zeros_like(state.u), np.zeros_like(state.w), 1.0, max_sweeps=100, tolerance=1e-6)
+        # Both methods start from the coupled solution: exact at once, where the projection would need many steps.
+        self._solve_coupled(np.zeros_like(state.u), np.zeros_like(state.w),
+                            self._balance(1.0, max_sweeps=100, tolerance=1e-6))
         state.u[:] = 0.0
         state.w[:] = 0.0
         state.bed_slip[:] = 0.0

@@ -2,7 +2,8 @@
 
 The arrays are [i, k] with k fastest, so the grid is given by its node coordinates (a structured
 mesh); an XDMF grid of origin and spacing would exchange x and z. Nothing is copied but these
-coordinates and the cell-centred velocity.
+coordinates and the cell-centred velocity. Each time is a collection of one grid: VTK's reader
+takes the extent of a bare grid from the first time.
 """
 
 from xml.etree import ElementTree as xml
@@ -28,11 +29,14 @@ def xdmf_text(file, h5_name):
 
 def add_grid(parent, fields, paraview, h5_name):
     """One time of the collection: coordinates, velocity, fields at nodes or centres."""
-    grid = xml.SubElement(parent, "Grid", Name="grains", GridType="Uniform")
-    xml.SubElement(grid, "Time", Value=repr(float(fields.attrs["time"])))
+    step = xml.SubElement(
+        parent, "Grid", Name="step", GridType="Collection", CollectionType="Spatial"
+    )
+    xml.SubElement(step, "Time", Value=repr(float(fields.attrs["time"])))
+    grid = xml.SubElement(step, "Grid", Name="grains", GridType="Uniform")
     nodes = paraview["coordinates"].shape[:2]
     cells = (nodes[0] - 1, nodes[1] - 1)
-    xml.SubElement(grid, "Topology", TopologyType="3DSMesh", Dimensions=f"1 {nodes[0]} {nodes[1]}")
+    xml.SubElement(grid, "Topology", TopologyType="2DSMesh", Dimensions=f"{nodes[0]} {nodes[1]}")
     add_data(xml.SubElement(grid, "Geometry", GeometryType="XYZ"), paraview["coordinates"], h5_name)
     add_attribute(grid, paraview["velocity"], "Vector", "Cell", h5_name)
     for dataset in fields.values():
@@ -53,12 +57,12 @@ def add_attribute(grid, dataset, kind, center, h5_name):
 
 
 def add_data(parent, dataset, h5_name):
-    """Reference to a dataset of the HDF5 file; a leading 1 is the third direction of the mesh."""
+    """Reference to a dataset of the HDF5 file."""
     item = xml.SubElement(
         parent,
         "DataItem",
         Format="HDF",
-        Dimensions=" ".join(map(str, (1, *dataset.shape))),
+        Dimensions=" ".join(map(str, dataset.shape)),
         NumberType=XDMF_TYPES[dataset.dtype.kind],
         Precision=str(dataset.dtype.itemsize),
     )

@@ -1,13 +1,49 @@
 """Velocity beyond the surface: continued outwards layer by layer, for the advection of surface and momentum."""
 from numba import njit
 
+from .stencils import minmod
+
 LAYERS = 7  # the level-set band plus the reach of the advection stencils
+TRUSTED_U = 0.05  # part of a full face mass below which u is continued from behind
+TRUSTED_W = 1.0e-4  # the same for w, which div u = 0 determines well even in a nearly empty cell
 SOLENOIDAL_LAYERS = 2  # empty cells beyond the surface in which the continued velocity is made divergence-free
 
 
 @njit(cache=True)
+def smooth_continuation(field, known, i, k):
+    """Continuation along the grid lines on which three known faces adjoin, averaged over these lines.
+
+    The slope is continued with its own trend, but never steepened or reversed: shear that fades towards the surface
+    keeps fading.
+
+    Returns
+    -------
+    value : float
+    count : int
+        Number of such lines; 0 if there is none.
+    """
+    nx, nz = field.shape
+    total = 0.0
+    count = 0
+    for di, dk in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        a, b = i + 3 * di, k + 3 * dk
+        if not (0 <= a < nx and 0 <= b < nz):
+            continue
+        if known[i + di, k + dk] == 1 and known[i + 2 * di, k + 2 * dk] == 1 and known[a, b] == 1:
+            first = field[i + di, k + dk]
+            slope = first - field[i + 2 * di, k + 2 * dk]
+            before = field[i + 2 * di, k + 2 * dk] - field[a, b]
+            total += first + minmod(slope, 2.0 * slope - before)
+            count += 1
+    return (total / count if count > 0 else 0.0), count
+
+
+@njit(cache=True)
 def extrapolate(field, known, layers):
-    """Fill the faces where `known` is 0, outwards, with the mean of the neighbours known one layer further in.
+    """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the neighbours' mean beyond.
+
+    The first layer moves the surface. Taking it constant would make a sheared, sloping surface systematically too
+    slow and lose volume in proportion to the cell size.
 
     Parameters
     ----------
@@ -22,6 +58,12 @@ def extrapolate(field, known, layers):
             for k in range(nz):
                 if known[i, k] != 0:
                     continue
+                if layer == 1:
+                    value, lines = smooth_continuation(field, known, i, k)
+                    if lines > 0:
+                        field[i, k] = value
+                        known[i, k] = 2
+                        continue
                 total = 0.0
                 count = 0
                 for di in range(-1, 2):
@@ -41,16 +83,26 @@ def extrapolate(field, known, layers):
 
 
 @njit(cache=True)
-def mark_known(known_u, known_w, geometry, least):
-    """Faces whose own velocity is trusted: walls, closed gate, and unknowns with at least `least` of a full mass."""
+def mark_known(known_u, known_w, geometry, film_thickness, dz):
+    """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
+
+    A film thinner than `film_thickness` (m) over two neighbouring x-faces is no continuum; it is carried along by
+    the flow behind it instead of being stretched further.
+    """
     nx, nz = geometry.filled.shape
+    film_here = False
     for i in range(nx + 1):
+        film_before = film_here
+        film_here = geometry.mass_x[i].sum() * dz < film_thickness
+        film = film_before and film_here
         for k in range(nz):
             solid = i == 0 or geometry.aperture[i, k] == 0.0
-            known_u[i, k] = 1 if solid or (geometry.index_u[i, k] >= 0 and geometry.mass_x[i, k] >= least) else 0
-    for i in range(nx):
-        for k in range(nz + 1):
-            known_w[i, k] = 1 if k == 0 or (geometry.index_w[i, k] >= 0 and geometry.mass_z[i, k] >= least) else 0
+            wet = geometry.index_u[i, k] >= 0 and geometry.mass_x[i, k] >= TRUSTED_U
+            known_u[i, k] = 1 if solid or (wet and not film) else 0
+        if i > 0:
+            for k in range(nz + 1):
+                wet = geometry.index_w[i - 1, k] >= 0 and geometry.mass_z[i - 1, k] >= TRUSTED_W
+                known_w[i - 1, k] = 1 if k == 0 or (wet and not film) else 0
 
 
 @njit(cache=True)

@@ -2,13 +2,23 @@
 
 Width-averaged Coulomb friction, both velocity components together. By default it enters the implicit solve as a
 diagonal coefficient (2 mu_w / w) [p]+ / sqrt(|u|^2 + slip_min^2), refreshed in every nonlinear sweep; the pressure is
-the exact volume integral of the cells, handed to the faces by the lever rule. The split form
-|u| <- max(0, |u| - dt 2 mu_w [p]+ / (rho w)) is exact for a frozen pressure and is the reference; it is applied before
-the projection, since after it div u would not vanish.
+the exact volume integral of the cells, handed to the faces by the lever rule.
+
+The split form |u| <- max(0, |u| - dt 2 mu_w [p]+ / (rho w)) is exact for a frozen pressure and is the reference. It
+comes before the implicit solve, since after it div u would not vanish, and acts on the velocity that gravity and the
+last pressure alone would give: on u* itself it would find nothing to brake in a mass at rest, which would then slide.
+Only the friction impulse is handed on, so that the solve adds gravity and pressure itself. At rest: where gravity
+less the pressure gradient is below the capacity, the walls take all of it and u = 0, p unchanged is the exact solution
+for any time step (but any such p stays: the split form does not choose among the static states); above the capacity
+the grains carry the rest. Stress from sheared neighbours is not seen until the next step: a mass stuck between the
+walls beside a flow creeps at no more than dt 2 mu_w p / (rho w). First order in dt.
 """
 import math
 
+import numpy as np
 from numba import njit
+
+from .geometry import WET
 
 
 @njit(cache=True)
@@ -65,23 +75,66 @@ def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, st
 
 
 @njit(cache=True)
-def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse):
-    """|u| <- max(0, |u| - impulse p / mass) in the direction of u, exact for frozen pressure.
+def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, least_mass, dx, dz):
+    """u_new = u + dt (g - grad p / rho) at the unknown faces, unchanged elsewhere; p of the last step."""
+    nx, nz = pressure_filled.shape
+    wet = np.where(geometry.filled > WET, pressure_filled, 0.0)
+    scale_x, scale_z = 1.0 / (balance.density * dx), 1.0 / (balance.density * dz)
+    u_new[:], w_new[:] = u, w
+    for i in range(1, nx + 1):
+        for k in range(nz):
+            if geometry.index_u[i, k] >= 0:
+                jump = geometry.aperture[i, k] * (wet[i - 1, k] - (wet[i, k] if i < nx else 0.0))
+                mass = geometry.mass_x[i, k]
+                u_new[i, k] += balance.dt * (balance.gx * mass + jump * scale_x) / max(mass, least_mass)
+    for i in range(nx):
+        for k in range(1, nz):
+            if geometry.index_w[i, k] >= 0:
+                mass = geometry.mass_z[i, k]
+                w_new[i, k] += balance.dt * (balance.gz * mass + (wet[i, k - 1] - wet[i, k]) * scale_z) / max(
+                    mass, least_mass)
 
-    `impulse` = dt 2 mu_w / (rho w), m2 s/kg ... so that impulse * pressure / filled mass is a speed.
+
+@njit(cache=True)
+def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, least_mass):
+    """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never reverses.
+
+    Parameters
+    ----------
+    u_new, w_new : arrays like u, w
+        Result, m/s.
+    u, w : arrays
+        Velocity before the friction.
+    pressure_x, pressure_z : arrays
+        From `face_pressures`, Pa.
+    impulse : float
+        dt 2 mu_w / (rho w), m/s per Pa.
+    least_mass : float
+        Floor of the face masses, as in the inertia of the solve.
     """
     nx, nz = w.shape[0], u.shape[1]
+    u_new[:], w_new[:] = u, w
     for i in range(nx + 1):
         for k in range(nz):
-            u_new[i, k] = u[i, k]
-            if geometry.index_u[i, k] >= 0 and geometry.mass_x[i, k] > 0.0:
+            if geometry.index_u[i, k] >= 0:
+                loss = impulse * pressure_x[i, k] / max(geometry.mass_x[i, k], least_mass)
                 speed = speed_at_xface(u, w, i, k)
-                if speed > 0.0:
-                    u_new[i, k] *= max(0.0, 1.0 - impulse * pressure_x[i, k] / (geometry.mass_x[i, k] * speed))
+                u_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
     for i in range(nx):
         for k in range(nz + 1):
-            w_new[i, k] = w[i, k]
-            if geometry.index_w[i, k] >= 0 and geometry.mass_z[i, k] > 0.0:
+            if geometry.index_w[i, k] >= 0:
+                loss = impulse * pressure_z[i, k] / max(geometry.mass_z[i, k], least_mass)
                 speed = speed_at_zface(u, w, i, k)
-                if speed > 0.0:
-                    w_new[i, k] *= max(0.0, 1.0 - impulse * pressure_z[i, k] / (geometry.mass_z[i, k] * speed))
+                w_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
+
+
+def brake_before_solve(u_star, w_star, pressure_filled, work, geometry, balance, least_mass, dx, dz):
+    """Velocity (u, w) = u* plus the friction impulse of the split form; the solve then has no sink of its own."""
+    free = np.empty_like(u_star), np.empty_like(w_star)
+    braked = np.empty_like(u_star), np.empty_like(w_star)
+    predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, least_mass, dx, dz)
+    face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+    apply_split(*braked, *free, work.pressure_x, work.pressure_z, geometry,
+                balance.dt * balance.wall_strength / balance.density, least_mass)
+    work.sink_x[:] = work.sink_z[:] = 0.0
+    return u_star + (braked[0] - free[0]), w_star + (braked[1] - free[1])

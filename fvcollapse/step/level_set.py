@@ -18,12 +18,16 @@ BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the r
 
 
 @njit(cache=True)
-def node_velocity(u_node, w_node, u, w, bed_slip):
-    """Velocity at the nodes, m/s, from the faces; bed nodes move with the slip velocity."""
+def node_velocity(u_node, w_node, u, w):
+    """Velocity at the nodes, m/s, from the faces.
+
+    Bed nodes are extrapolated, so that the mean of the two nodes of the first cell is that cell's own velocity:
+    otherwise a film thinner than a cell would gain or lose volume.
+    """
     nx, nz = w.shape[0], u.shape[1]
     for i in range(nx + 1):
         for k in range(nz + 1):
-            u_node[i, k] = bed_slip[i] if k == 0 else 0.5 * (u[i, k - 1] + u[i, min(k, nz - 1)])
+            u_node[i, k] = 1.5 * u[i, 0] - 0.5 * u[i, 1] if k == 0 else 0.5 * (u[i, k - 1] + u[i, min(k, nz - 1)])
             w_node[i, k] = 0.5 * (w[max(i - 1, 0), k] + w[min(i, nx - 1), k])
 
 

@@ -1,0 +1,67 @@
+"""Every verification problem: on its first three grids by default, on all of them with `-m slow`."""
+
+import json
+
+import pytest
+
+from fvcollapse.__main__ import main
+from fvcollapse.verification import problem_names, verify
+from fvcollapse.verification.problems import PROBLEMS, solve
+
+SLOW = {"zalesak", "vortex_8s"}
+
+
+def on_coarse_grids(problem):
+    """The same problem on three grids, its tolerance scaled with the order from the finest grid."""
+    grids = problem.grids[:3]
+    scale = (problem.grids[-1] / grids[-1]) ** (problem.expected_order or 0)
+    return problem._replace(grids=grids, tolerance=problem.tolerance * scale)
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [pytest.param(p, marks=[pytest.mark.slow] if p.name in SLOW else []) for p in PROBLEMS],
+    ids=lambda problem: problem.name,
+)
+def test_coarse_grids(problem):
+    row = solve(on_coarse_grids(problem))
+    assert row["passed"], row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
+def test_all_grids(problem):
+    row = solve(problem)
+    assert row["passed"], row
+
+
+def test_bagnold_beats_gerris_on_every_line():
+    """Gerris, test/poiseuille/bagnold: absolute errors at 8, 16, 32, 64 cells."""
+    gerris = {
+        "error_l1": (3.6e-2, 1.16e-2, 3.3e-3, 8.7e-4),
+        "error_l2": (3.9e-2, 1.22e-2, 3.4e-3, 9.0e-4),
+        "error_linf": (5.2e-2, 1.44e-2, 5.8e-3, 2.4e-3),
+    }
+    row = solve(next(problem for problem in PROBLEMS if problem.name == "bagnold_gerris"))
+    for norm, theirs in gerris.items():
+        assert all(ours < their for ours, their in zip(row[norm], theirs, strict=True)), row
+        assert row[norm][-1] < theirs[-1] / 3
+
+
+def test_verify_writes_its_rows(tmp_path, capsys):
+    path = tmp_path / "rows.json"
+    rows = verify(["bed_slip"], path)
+    assert json.loads(path.read_text()) == rows
+    assert set(rows[0]) == {
+        "name", "grids", "error_l1", "error_l2", "error_linf", "observed_order", "expected_order", "tolerance", "passed",
+    }
+    assert "bed_slip" in capsys.readouterr().out
+
+
+def test_unknown_problem_is_refused(capsys):
+    assert main(["verify", "bagnold"]) == 2
+    assert "closest is bagnold" in capsys.readouterr().err
+
+
+def test_names_are_unique():
+    assert len(set(problem_names())) == len(PROBLEMS) >= 20
