@@ -159,7 +159,6 @@ class Simulation:
 
     def _move_surface(self, dt):
         state, (dx, dz) = self.state, self.spacing
-        geometry = self.geometry
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
         level_set.advect(state.level_set, u_node, w_node, dt, dx, dz)
@@ -174,9 +173,7 @@ class Simulation:
         if fastest == 0.0:
             return 0.0
         target = (state.volume_0 - state.volume_outflow) / (dx * dz)
-        gate_i, gate_k = self._gate_rows(state.time + dt)
-        added = level_set.correct_volume(state.level_set, speed / fastest, target, geometry.filled, geometry.lever_x,
-                                         geometry.lever_z, gate_i, gate_k, min(dx, dz)) * dx * dz
+        added = level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz)) * dx * dz
         state.volume_correction += abs(added)
         return added
 
@@ -265,7 +262,7 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = self.geometry.filled.sum() * self.spacing[0] * self.spacing[1]
+        state.volume_0 = level_set.volume(state.level_set) * self.spacing[0] * self.spacing[1]
         # Both methods start from the coupled solution: exact at once, where the projection would need many steps.
         self._solve_coupled(np.zeros_like(state.u), np.zeros_like(state.w),
                             self._balance(1.0, max_sweeps=100, tolerance=1e-6))

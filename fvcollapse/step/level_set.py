@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from .geometry import fill_cells
+from .geometry import polygon_moments
 from .stencils import derivative_weno5, minmod
 
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
@@ -161,6 +161,21 @@ def one_sided(extended, old, a, b, step_a, step_b, h):
 
 
 @njit(cache=True)
+def is_kept(old, a, b, dx, dz):
+    """Whether a node next to the surface keeps its value: its slope is within 5 % of a distance's.
+
+    Only nodes next to the surface place it, so keeping them leaves the volume untouched.
+    """
+    here = old[a, b]
+    if (here * old[a + 1, b] > 0.0 and here * old[a - 1, b] > 0.0 and here * old[a, b + 1] > 0.0
+            and here * old[a, b - 1] > 0.0):
+        return False
+    gx = (old[a + 1, b] - old[a - 1, b]) / (2.0 * dx)
+    gz = (old[a, b + 1] - old[a, b - 1]) / (2.0 * dz)
+    return 0.9 < gx * gx + gz * gz < 1.1
+
+
+@njit(cache=True)
 def reinitialise(phi, sweeps, dx, dz):
     """Make phi (in place) the signed distance to its own zero line, within the band.
 
@@ -182,7 +197,7 @@ def reinitialise(phi, sweeps, dx, dz):
             for kk in range(nz):
                 k = kk if sweep % 4 < 2 else nz - 1 - kk
                 a, b = i + 3, k + 3
-                if old[a, b] == 0.0 or abs(old[a, b]) > limit + 2.0 * max(dx, dz):
+                if abs(old[a, b]) > limit + 2.0 * max(dx, dz) or is_kept(old, a, b, dx, dz):
                     continue
                 right, s_right = one_sided(new, old, a, b, 1, 0, dx)
                 left, s_left = one_sided(new, old, a, b, -1, 0, dx)
@@ -210,14 +225,18 @@ def _refresh_ghosts(extended):
 
 
 @njit(cache=True)
-def volume(level_set, filled, lever_x, lever_z, gate_i, gate_k):
+def volume(level_set):
     """Filled area in cells (multiply by dx dz for m2)."""
-    fill_cells(filled, lever_x, lever_z, level_set, gate_i, gate_k)
-    return filled.sum()
+    total = 0.0
+    for i in range(level_set.shape[0] - 1):
+        for k in range(level_set.shape[1] - 1):
+            total += polygon_moments(level_set[i, k], level_set[i + 1, k], level_set[i + 1, k + 1],
+                                     level_set[i, k + 1])[0]
+    return total
 
 
 @njit(cache=True)
-def correct_volume(phi, mobility, target, filled, lever_x, lever_z, gate_i, gate_k, h):
+def correct_volume(phi, mobility, target, h):
     """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
 
     Parameters
@@ -227,7 +246,7 @@ def correct_volume(phi, mobility, target, filled, lever_x, lever_z, gate_i, gate
     h : float
         Cell size, m: the shift stays below a tenth of it.
     """
-    before = volume(phi, filled, lever_x, lever_z, gate_i, gate_k)
+    before = volume(phi)
     missing = target - before
     if abs(missing) <= 1e-12 * target:
         return 0.0
@@ -237,7 +256,7 @@ def correct_volume(phi, mobility, target, filled, lever_x, lever_z, gate_i, gate
     gap = missing
     for _ in range(12):
         phi[:] = original - q * mobility
-        gap = target - volume(phi, filled, lever_x, lever_z, gate_i, gate_k)
+        gap = target - volume(phi)
         if abs(gap) <= 1e-12 * target or gap == gap_old:
             break
         q_next = q - gap * (q - q_old) / (gap - gap_old)

@@ -5,6 +5,7 @@ import pytest
 
 from fvcollapse.case import Case
 from fvcollapse.simulation import Simulation
+from fvcollapse.step.coupled import MASS_FLOOR
 from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_coefficients
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
@@ -56,7 +57,7 @@ def column_sinks(u, w):
     sinks = np.zeros_like(u), np.zeros_like(w)
     sink_coefficients(*sinks, u, w, *pressures, geometry, 3.6, 1e-6)
     split = np.zeros_like(u), np.zeros_like(w)
-    apply_split(*split, u, w, *pressures, geometry, 1e-6)
+    apply_split(*split, u, w, *pressures, geometry, 1e-6, MASS_FLOOR)
     return geometry, pressures, (u, w), sinks, split
 
 

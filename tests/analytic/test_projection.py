@@ -1,6 +1,7 @@
 """The reference method: exact pressure at rest, div u = 0, and the same flow as the coupled method."""
 import numpy as np
 import pytest
+
 from fvcollapse.case import GRAVITY, case_from_text
 from fvcollapse.observables import front_position, thickness
 from fvcollapse.simulation import Simulation

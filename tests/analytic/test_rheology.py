@@ -15,7 +15,9 @@ RATES = st.floats(1.0, 1e3)
 PRESSURES = st.floats(1.0, 1e5)
 # Lower well-posed limit and A_- of mu(I), computed independently of this code from the formulas of
 # Barker et al. (2015) and Barker & Gray (2017): mu_1, mu_2, I_0, I_low, A_-.
-WELL_POSED = list(csv.DictReader(Path(__file__).with_name("well_posed_ranges.csv").open()))
+WELL_POSED = list(
+    csv.DictReader(Path(__file__).with_name("well_posed_ranges.csv").read_text().splitlines())
+)
 
 
 def law(name, **changes):

@@ -32,7 +32,7 @@ def test_free_column_collapses_symmetrically():
         **{
             "grid.cell_size": dx,
             "geometry.slope_angle_deg": 0.0,
-            "geometry.length_0": right,
+            "geometry.length_0": right + 0.1,
             "geometry.polygon": [[left, 0.0], [right, 0.0], [right, 0.08], [left, 0.08]],
             "gate.speed": math.inf,
             "numerics.tolerance": 1e-6,
@@ -79,7 +79,8 @@ def test_unit_scaling():
     assert large.state.time == pytest.approx(math.sqrt(SCALE) * small.state.time, rel=1e-12)
     speed = small.max_speed()
     assert speed > 0.1
-    assert np.abs(large.state.u / math.sqrt(SCALE) - small.state.u).max() < 1e-6 * speed
+    # the floor of the viscosity, 1e-3 Pa s, is the one quantity that does not scale
+    assert np.abs(large.state.u / math.sqrt(SCALE) - small.state.u).max() < 2e-5 * speed
     assert np.abs(large.geometry.filled - small.geometry.filled).max() < 1e-6
 
 
@@ -108,28 +109,37 @@ def test_no_suction_and_no_lost_volume(slope):
     ids=["mu_I", "drucker_prager", "smooth", "rough"],
 )
 def test_energy_never_grows(changes):
-    """Horizontal bed, gate gone: kinetic plus potential energy only falls, and by friction alone."""
+    """Horizontal bed, gate gone: kinetic plus potential energy only falls, and by friction alone.
+
+    What the volume correction and the cut cells add to the volume counts as lifted to the top of the column.
+    """
     simulation = simulation_of(**{"geometry.slope_angle_deg": 0.0, "gate.speed": math.inf, **changes})
+    dx, dz = simulation.spacing
+    weight = 1550.0 * 9.81 * 0.14
     start = energy = sum(simulation.energies().values())
+    volume = simulation.state.volume_0
     while simulation.state.time < 0.3:
-        simulation.advance(0.3)
+        record = simulation.advance(0.3)
         now = sum(simulation.energies().values())
-        assert now <= energy + 2e-5 * start
-        energy = now
+        volume_now = simulation.geometry.filled.sum() * dx * dz
+        lifted = weight * (abs(record.volume_correction) + abs(volume_now - volume))
+        assert now <= energy + lifted + 1e-9 * start
+        energy, volume = now, volume_now
     assert energy < 0.95 * start
 
 
 def test_friction_of_wider_channels_fades():
-    """The front at 0.3 s lies the further, the wider the channel; w = 100 m is as good as none."""
-    fronts = []
+    """The mass at 0.3 s lies the further, the wider the channel; w = 100 m is as good as none."""
+    means = []
     for width in (0.05, 0.1, 0.2, 100.0, math.inf):
         changes = {"geometry.channel_width": width, "effects.lateral_friction": {}}
         simulation = advance_to(simulation_of(**changes), 0.3)
         moment = (simulation.geometry.filled.sum(1) * simulation.grid.x_centres).sum()
-        fronts.append(moment / simulation.geometry.filled.sum())
-    assert fronts == sorted(fronts)
-    assert fronts[-2] == pytest.approx(fronts[-1], rel=1e-3)
-    assert fronts[0] < fronts[-1] - 1e-3
+        means.append(moment / simulation.geometry.filled.sum())
+    assert means[:3] == sorted(means[:3])
+    assert means[-2] == pytest.approx(means[-1], rel=1e-3)
+    assert means[2] < means[-1]
+    assert means[0] < means[-1] - 1e-3
 
 
 # -- switches ----------------------------------------------------------------------------------
@@ -154,8 +164,8 @@ def test_a_run_is_repeatable_to_the_last_bit():
         assert np.array_equal(a, b)
 
 
-def test_without_gravity_along_the_bed_and_gate_closed_nothing_happens():
+def test_closed_gate_and_level_bed_nothing_happens():
     simulation = simulation_of(**{"geometry.slope_angle_deg": 0.0, "gate.speed": 0.0})
-    before = simulation.state.level_set.copy()
+    before = simulation.geometry.filled.copy()
     advance_to(simulation, 0.1)
-    assert np.abs(simulation.state.level_set - before)[: simulation.gate_column].max() < 1e-9
+    assert np.abs(simulation.geometry.filled - before).max() < 1e-8
