@@ -199,6 +199,10 @@ class Numerics(Section):
     tolerance: Annotated[
         float, key("-", "nonlinear iteration: largest relative residual", gt=0, lt=1)
     ] = 1e-3
+    film_thickness: Annotated[
+        float,
+        key("m", "a film thinner than this at the front moves with the flow behind it", ge=0, le=1),
+    ] = 1.5e-3
     max_sweeps: Annotated[int, key("-", "nonlinear iterations per step at most", ge=1, le=1000)] = (
         30
     )

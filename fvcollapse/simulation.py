@@ -17,7 +17,8 @@ from .step import coupled, level_set, projection
 from .step.banded import lapack_addresses
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
-from .step.geometry import allocate_geometry, fill_cells, fill_faces, fill_walls, number_unknowns, repeat_columns
+from .step.geometry import (allocate_geometry, fill_cells, fill_faces, fill_walls, number_unknowns, repeat_columns,
+                            wetted_edge)
 from .step.initial import HALO, MARGIN, initial_grid, initial_state
 from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
@@ -25,14 +26,16 @@ from .step import quantities
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
 
-REINITIALISE_EVERY = 20
-DISTANCE_TOLERANCE = 0.9
-FILM = 1.5e-3
+REINITIALISE_EVERY = 10
+DISTANCE_TOLERANCE = 3.0
+RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
+CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
+HALVINGS = 5
 GROWTH = 16
 
 
 class StepRecord(NamedTuple):
-    """What one step reports."""
+    """What one step reports; `residual` is the relative change of the velocity in the last nonlinear sweep."""
 
     time: float
     dt: float
@@ -108,20 +111,25 @@ class Simulation:
         self._make_room()
         start = self.state.copy()
         dt = fit_to(time_limit, start.time, self._time_step())
-        for _ in range(6):
+        for _ in range(HALVINGS + 1):
             outcome, correction = self._try_step(start, dt)
-            if outcome.info == 0 and outcome.change <= 0.1:
+            if outcome.info == 0 and outcome.change <= CHANGE_LIMIT:
                 break
             dt *= 0.5
         else:
             self.state = start
-            raise NumericalError("nonlinear sweeps", f"relative change {outcome.change:.2g} after five halvings",
+            raise NumericalError(f"the nonlinear sweeps still change the velocity by {outcome.change:.2g} (limit "
+                                 f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step", "in the momentum solve",
                                  start.time)
+        if self.case.numerics.method == "coupled" and not outcome.residual <= RESIDUAL_TOLERANCE:
+            self.state = start
+            raise NumericalError(f"the linear solve leaves {outcome.residual:.2g} of the weight (limit "
+                                 f"{RESIDUAL_TOLERANCE})", "in the momentum solve", start.time)
         state = self.state
         state.time = time_limit if abs(start.time + dt - time_limit) < 1e-12 else start.time + dt
         state.step = start.step + 1
         state.dt = dt
-        return StepRecord(state.time, dt, outcome.sweeps, outcome.sweeps, outcome.residual, outcome.divergence,
+        return StepRecord(state.time, dt, outcome.sweeps, outcome.sweeps, outcome.change, outcome.divergence,
                           outcome.change > self.case.numerics.tolerance, correction)
 
     def _try_step(self, start, dt):
@@ -172,24 +180,26 @@ class Simulation:
         fastest = speed.max()
         if fastest == 0.0:
             return 0.0
+        self._book_outflow(u_node, dt)
         target = (state.volume_0 - state.volume_outflow) / (dx * dz)
         added = level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz)) * dx * dz
         state.volume_correction += abs(added)
         return added
 
-    def _gate_rows(self, time):
-        height = gate_height(time, self.case.gate.speed, self.case.gate.time_constant)
-        gate_k = open_fractions(self.geometry.aperture, height, self.gate_column, self.spacing[1])
-        return self.gate_column, gate_k
+    def _book_outflow(self, u_node, dt):
+        """Volume that crosses an open end during the step."""
+        if self.case.boundary.right_end == "open":
+            phi, dz = self.state.level_set[-1], self.spacing[1]
+            through = sum(wetted_edge(phi[k], phi[k + 1]) * 0.5 * (u_node[-1, k] + u_node[-1, k + 1])
+                          for k in range(phi.size - 1))
+            self.state.volume_outflow += max(through, 0.0) * dz * dt
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
-        geometry = self.geometry
-        gate_i, gate_k = self._gate_rows(0.0 if closed else time)
-        if closed:
-            open_fractions(geometry.aperture, 0.0, self.gate_column, self.spacing[1])
-            gate_k = 0
-        fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, self.state.level_set, gate_i, gate_k)
+        geometry, gate = self.geometry, self.case.gate
+        height = 0.0 if closed else gate_height(time, gate.speed, gate.time_constant)
+        open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
+        fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, self.state.level_set, geometry.aperture)
         fill_faces(geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z)
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
         self.unknowns = number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture,
@@ -231,7 +241,7 @@ class Simulation:
     def _continue_velocity(self):
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
-        mark_known(known_u, known_w, self.geometry, FILM, self.spacing[1])
+        mark_known(known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1])
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
         self._repeat(state.u, state.w)
@@ -250,8 +260,12 @@ class Simulation:
         nx, nz = filled.shape
         wet = filled > 0.0
         extra_x = extra_z = 0
-        if self.case.boundary.right_end == "grow" and wet[nx - MARGIN:].any():
+        right_end = self.case.boundary.right_end
+        if right_end == "grow" and wet[nx - MARGIN:].any():
             extra_x = GROWTH
+        if right_end == "error" and wet[nx - 1].any():
+            raise NumericalError("the mass has reached the end of the domain; lengthen boundary.domain_length",
+                                 f"at x = {nx * self.spacing[0]:.3g} m", self.state.time)
         if wet[:, nz - 4:].any():
             extra_z = MARGIN
         if extra_x or extra_z:

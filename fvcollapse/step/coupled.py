@@ -94,6 +94,9 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
         sink_coefficients(work.sink_x, work.sink_z, u, w, work.pressure_x, work.pressure_z, geometry,
                           balance.wall_strength, balance.slip_min)
+    else:
+        work.sink_x[:] = 0.0
+        work.sink_z[:] = 0.0
 
 
 @njit(cache=True)

@@ -19,13 +19,9 @@ def gate_height(time, speed, time_constant):
 
 
 def open_fractions(aperture, height, column, dz):
-    """Set the open fraction of the x-faces at `column`; return the first row that is closed even in part."""
-    nz = aperture.shape[1]
+    """Set the open fraction of every x-face: 1, but for the gate at `column` (negative: no gate)."""
     aperture[:] = 1.0
-    if not 0 < column < aperture.shape[0] - 1:
-        return nz
-    rows = np.clip((height - dz * np.arange(nz)) / dz, 0.0, 1.0)
-    rows[rows < 1e-9] = 0.0
-    aperture[column] = rows
-    closed = np.flatnonzero(rows < 1.0)
-    return int(closed[0]) if closed.size else nz
+    if 0 < column < aperture.shape[0] - 1:
+        rows = np.clip((height - dz * np.arange(aperture.shape[1])) / dz, 0.0, 1.0)
+        rows[rows < 1e-9] = 0.0
+        aperture[column] = rows

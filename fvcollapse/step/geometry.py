@@ -100,21 +100,25 @@ def polygon_moments(phi_00, phi_10, phi_11, phi_01):
 
 
 @njit(cache=True)
-def fill_cells(filled, lever_x, lever_z, level_set, gate_i, gate_k):
+def fill_cells(filled, lever_x, lever_z, level_set, aperture):
     """Filled fraction and lever shares of every cell.
 
-    Behind a gate (x-face `gate_i`, closed from row `gate_k` up) the surface continues straight through the gate as
-    through any wall, so that a column standing against it has no spurious corner there.
+    At a gate the surface on its inner side continues straight through it, as through any wall, so that a column
+    standing against it has no spurious corner there; and beyond a closed gate nothing is filled by the interpolation
+    across it, or a thousandth of a cell would leak through and fall.
     """
     nx, nz = filled.shape
     for i in range(nx):
         for k in range(nz):
-            right_low = level_set[i + 1, k]
-            right_high = level_set[i + 1, k + 1]
-            if i + 1 == gate_i and k >= gate_k and i > 0:
-                right_low = min(right_low, 2.0 * level_set[i, k] - level_set[i - 1, k])
-                right_high = min(right_high, 2.0 * level_set[i, k + 1] - level_set[i - 1, k + 1])
-            area, mx, mz = polygon_moments(level_set[i, k], right_low, right_high, level_set[i, k + 1])
+            left_low, left_high = level_set[i, k], level_set[i, k + 1]
+            right_low, right_high = level_set[i + 1, k], level_set[i + 1, k + 1]
+            if aperture[i + 1, k] < 1.0 and i > 0:
+                right_low = min(right_low, 2.0 * left_low - level_set[i - 1, k])
+                right_high = min(right_high, 2.0 * left_high - level_set[i - 1, k + 1])
+            if aperture[i, k] == 0.0:
+                left_low = max(left_low, 0.0) if right_low > 0.0 else left_low
+                left_high = max(left_high, 0.0) if right_high > 0.0 else left_high
+            area, mx, mz = polygon_moments(left_low, right_low, right_high, left_high)
             filled[i, k] = area
             lever_x[i, k] = mx
             lever_z[i, k] = mz
@@ -217,5 +221,5 @@ def cell_fractions(level_set):
     """Filled fraction of each cell, (nx, nz), from the node level set, with no gate."""
     nx, nz = level_set.shape[0] - 1, level_set.shape[1] - 1
     filled, lever_x, lever_z = np.empty((nx, nz)), np.empty((nx, nz)), np.empty((nx, nz))
-    fill_cells(filled, lever_x, lever_z, level_set, -1, 0)
+    fill_cells(filled, lever_x, lever_z, level_set, np.ones((nx + 1, nz)))
     return filled

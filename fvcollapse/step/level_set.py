@@ -124,23 +124,6 @@ def distance_error(phi, dx, dz):
 
 
 @njit(cache=True)
-def crossing(phi_0, phi_1, curvature, h):
-    """Distance from node 0 to the zero of the parabola through phi_0, phi_1 (opposite signs) with that curvature."""
-    linear = h * phi_0 / (phi_0 - phi_1)
-    if abs(curvature) * h * h < 1e-10 * abs(phi_0 - phi_1):
-        return linear
-    # phi(s) = phi_0 + s (phi_1 - phi_0)/h - curvature/2 s (h - s); two Newton steps from the linear root
-    s = linear
-    for _ in range(4):
-        f = phi_0 + s * (phi_1 - phi_0) / h - 0.5 * curvature * s * (h - s)
-        slope = (phi_1 - phi_0) / h - 0.5 * curvature * (h - 2.0 * s)
-        if slope == 0.0:
-            return linear
-        s -= f / slope
-    return s if 0.0 < s < h else linear
-
-
-@njit(cache=True)
 def one_sided(extended, old, a, b, step_a, step_b, h):
     """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards, distance used).
 
@@ -149,30 +132,13 @@ def one_sided(extended, old, a, b, step_a, step_b, h):
     here = old[a, b]
     there = old[a + step_a, b + step_b]
     if here * there < 0.0:
-        curvature = minmod((old[a - step_a, b - step_b] - 2.0 * here + there) / (h * h),
-                           (here - 2.0 * there + old[a + 2 * step_a, b + 2 * step_b]) / (h * h))
-        s = max(crossing(here, there, curvature, h), 1e-6 * h)
-        return (0.0 - extended[a, b]) / s - 0.5 * s * curvature, s
+        s = max(h * here / (here - there), 1e-6 * h)
+        return -extended[a, b] / s, s
     value = extended[a, b]
     next_value = extended[a + step_a, b + step_b]
     curvature = minmod((extended[a - step_a, b - step_b] - 2.0 * value + next_value) / (h * h),
                        (value - 2.0 * next_value + extended[a + 2 * step_a, b + 2 * step_b]) / (h * h))
     return (next_value - value) / h - 0.5 * h * curvature, h
-
-
-@njit(cache=True)
-def is_kept(old, a, b, dx, dz):
-    """Whether a node next to the surface keeps its value: its slope is within 5 % of a distance's.
-
-    Only nodes next to the surface place it, so keeping them leaves the volume untouched.
-    """
-    here = old[a, b]
-    if (here * old[a + 1, b] > 0.0 and here * old[a - 1, b] > 0.0 and here * old[a, b + 1] > 0.0
-            and here * old[a, b - 1] > 0.0):
-        return False
-    gx = (old[a + 1, b] - old[a - 1, b]) / (2.0 * dx)
-    gz = (old[a, b + 1] - old[a, b - 1]) / (2.0 * dz)
-    return 0.9 < gx * gx + gz * gz < 1.1
 
 
 @njit(cache=True)
@@ -197,7 +163,7 @@ def reinitialise(phi, sweeps, dx, dz):
             for kk in range(nz):
                 k = kk if sweep % 4 < 2 else nz - 1 - kk
                 a, b = i + 3, k + 3
-                if abs(old[a, b]) > limit + 2.0 * max(dx, dz) or is_kept(old, a, b, dx, dz):
+                if old[a, b] == 0.0 or abs(old[a, b]) > limit + 2.0 * max(dx, dz):
                     continue
                 right, s_right = one_sided(new, old, a, b, 1, 0, dx)
                 left, s_left = one_sided(new, old, a, b, -1, 0, dx)

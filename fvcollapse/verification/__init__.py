@@ -1,4 +1,4 @@
-"""Proof against theory: flows with an exact solution, run through the solver of the collapse on several grids."""
+"""Proof against theory: flows with an exact solution, run through the solver of the collapse."""
 
 import difflib
 import json
@@ -15,7 +15,7 @@ def problem_names():
 
 
 def verify(names=None, json_path=None):
-    """Solve the named verification problems (all, if none are named), print the table, write it as JSON.
+    """Solve the named verification problems (all, if none are named); print and write the table.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def verify(names=None, json_path=None):
     Returns
     -------
     list of dict
-        One row per problem: name, grids, error_l1, error_l2, error_linf, observed_order, expected_order, tolerance,
-        passed.
+        One row per problem: name, grids, error_l1, error_l2, error_linf, observed_order,
+        expected_order, tolerance, passed.
     """
     from fvcollapse.verification.problems import PROBLEMS, solve
 
@@ -36,7 +36,9 @@ def verify(names=None, json_path=None):
     for name in names or ():
         if name not in by_name:
             near = difflib.get_close_matches(name, by_name, n=1, cutoff=0.0)[0]
-            raise InputError("command line", "NAME", name, f"a verification problem; the closest is {near}")
+            raise InputError(
+                "command line", "NAME", name, f"a verification problem; the closest is {near}"
+            )
     rows = []
     print(HEADING)
     for name in names or by_name:
@@ -47,8 +49,11 @@ def verify(names=None, json_path=None):
     return rows
 
 
-HEADING = f"{'problem':30s} {'grids':>16s} {'L1':>9s} {'L2':>9s} {'Linf':>9s} {'order':>6s} {'expected':>9s} " \
-          f"{'tolerance':>10s}"
+HEADING = (
+    f"{'problem':30s} {'grids':>16s} {'L1':>9s} {'L2':>9s} {'Linf':>9s} "
+    f"{'order':>6s} {'expected':>9s} "
+    f"{'tolerance':>10s}"
+)
 
 
 def table_line(row):
@@ -58,7 +63,8 @@ def table_line(row):
     orders = [row["observed_order"], row["expected_order"]]
     observed, expected = ("-" if order is None else f"{order:.2f}" for order in orders)
     verdict = "pass" if row["passed"] else "FAIL"
-    return f"{row['name']:30s} {grids:>16s} {norms} {observed:>6s} {expected:>9s} {row['tolerance']:10.1e} {verdict}"
+    ends = f"{observed:>6s} {expected:>9s} {row['tolerance']:10.1e} {verdict}"
+    return f"{row['name']:30s} {grids:>16s} {norms} {ends}"
 
 
 def write_json(rows, path):

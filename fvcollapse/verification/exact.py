@@ -1,11 +1,14 @@
 """Exact solutions of the model, each with its derivation or its source.
 
-Uniform flow of a layer of depth H down a bed inclined by a: u(z) along the bed, w = 0, and across the layer
+Uniform flow of a layer of depth H down a bed inclined by a: u(z) along the bed, w = 0, and across
+the layer
 
-    p = rho g cos(a) (H - z),     rho u_t = rho g sin(a) + d tau/dz - (2/w) mu_w p u/|u|,     tau(H) = 0.
+    p = rho g cos(a) (H - z),
+    rho u_t = rho g sin(a) + d tau/dz - (2/w) mu_w p u/|u|,     tau(H) = 0.
 
-Steady and without lateral walls tau = T p with T = tan(a): the layer has the same stress ratio everywhere.
-Every function takes the case that the solver runs; z is the height above the bed, m, and u is in m/s.
+Steady and without lateral walls tau = T p with T = tan(a): the layer has the same stress ratio
+everywhere. Every function takes the case that the solver runs; z is the height above the bed, m,
+and u is in m/s.
 """
 
 import math
@@ -22,18 +25,18 @@ def slope_ratio(case):
 
 
 def gravity_normal(case):
-    """g cos(slope), m/s2."""
+    """Gravity normal to the bed, g cos(slope), m/s2."""
     return GRAVITY * math.cos(math.radians(case.geometry.slope_angle_deg))
 
 
 def wall_ratio(case):
-    """mu_w / w, 1/m: the walls carry the part (mu_w / w) y of the weight above depth y; 0 if none."""
+    """mu_w / w, 1/m: the walls carry the part (mu_w / w) y of the weight above depth y, or none."""
     walls = case.effects.lateral_friction
     return 0.0 if walls is None else walls.mu_wall / case.geometry.channel_width
 
 
 def pressure_hydrostatic(case, z, depth=None):
-    """p = rho g cos(a) (H - z), Pa; zero above the surface."""
+    """Hydrostatic p = rho g cos(a) (H - z), Pa; zero above the surface."""
     depth = case.geometry.height_0 if depth is None else depth
     return case.rheology.density_bulk * gravity_normal(case) * np.maximum(depth - np.asarray(z), 0)
 
@@ -44,13 +47,16 @@ def pressure_hydrostatic(case, z, depth=None):
 def bagnold(case, z):
     """Bagnold flow of mu(I): u = (2/3) (I_a/d) sqrt(phi g cos a) (H^1.5 - (H - z)^1.5).
 
-    mu(I) = T everywhere, so I = I_a = I_0 (T - mu_1)/(mu_2 - T) is constant, and du/dz = I sqrt(p/rho_s)/d with
-    phi = rho/rho_s is integrated from the bed. Exists for mu_1 < T < mu_2. GDR MiDi (2004), Eur. Phys. J. E 14, 341.
+    mu(I) = T everywhere, so I = I_a = I_0 (T - mu_1)/(mu_2 - T) is constant, and du/dz = I
+    sqrt(p/rho_s)/d with phi = rho/rho_s is integrated from the bed. Exists for mu_1 < T < mu_2. GDR
+    MiDi (2004), Eur. Phys. J. E 14, 341.
     """
     depth, law = case.geometry.height_0, case.rheology
     inertial = inertial_number_at(slope_ratio(case), law)
     solid_fraction = law.density_bulk / law.density_grain
-    factor = 2 / 3 * inertial / law.grain_diameter * math.sqrt(solid_fraction * gravity_normal(case))
+    factor = (
+        2 / 3 * inertial / law.grain_diameter * math.sqrt(solid_fraction * gravity_normal(case))
+    )
     return factor * (depth**1.5 - np.maximum(depth - z, 0.0) ** 1.5)
 
 
@@ -60,9 +66,10 @@ def inertial_number_at(mu, law):
 
 
 def incline_drucker_prager(case, z):
-    """u = (rho g cos a/eta) (T - mu_1) (H z - z^2/2), the excess of the drive over the yield stress.
+    """Inclined layer above yield: u = (rho g cos a/eta) (T - mu_1) (H z - z^2/2).
 
-    tau = mu_1 p + eta du/dz = T p is integrated from the bed; zero for T <= mu_1. mu_1 = 0: the Nusselt film.
+    tau = mu_1 p + eta du/dz = T p is integrated from the bed; zero for T <= mu_1. mu_1 = 0: the
+    Nusselt film.
     """
     law = case.rheology
     excess = max(slope_ratio(case) - law.mu_1, 0.0)
@@ -70,9 +77,11 @@ def incline_drucker_prager(case, z):
 
 
 def film_newtonian(case, z):
-    """u = (rho g sin a/eta) (H z - z^2/2): one half of a plane Poiseuille flow (Nusselt 1916)."""
+    """Nusselt film, one half of a plane Poiseuille flow: u = (rho g sin a/eta) (H z - z^2/2)."""
     law = case.rheology
-    return _parabola(case, z, law.density_bulk * gravity_normal(case) * slope_ratio(case) / law.viscosity)
+    return _parabola(
+        case, z, law.density_bulk * gravity_normal(case) * slope_ratio(case) / law.viscosity
+    )
 
 
 def _parabola(case, z, curvature):
@@ -80,9 +89,10 @@ def _parabola(case, z, curvature):
 
 
 def film_bingham(case, z):
-    """Sheared below, a plug of thickness tau_y/(rho g sin a) on top; one half of a Bingham Poiseuille flow.
+    """Sheared below, a plug of thickness tau_y/(rho g sin a) on top: half a Poiseuille flow.
 
-    eta du/dz = rho g sin a (H - z) - tau_y where that is positive; Bird, Dai & Yarusso (1983), Rev. Chem. Eng. 1.
+    eta du/dz = rho g sin a (H - z) - tau_y where that is positive; Bird, Dai & Yarusso (1983), Rev.
+    Chem. Eng. 1.
     """
     law = case.rheology
     drive = law.density_bulk * gravity_normal(case) * slope_ratio(case)
@@ -92,10 +102,10 @@ def film_bingham(case, z):
 
 
 def film_imposed_bed_stress(case, z):
-    """Newtonian film on a sliding bed, relative to its bed: u - u(0) = (mu_b rho g cos a/eta) (H z - z^2/2).
+    """Newtonian film on a sliding bed: u - u(0) = (mu_b rho g cos a/eta) (H z - z^2/2).
 
-    The bed gives tau(0) = mu_b p(0) whatever the speed; tau(H) = 0. The film gains g cos(a) (T - mu_b) as a whole, so
-    with mu_b = T it slides steadily: a Couette flow with imposed wall stress.
+    The bed gives tau(0) = mu_b p(0) whatever the speed; tau(H) = 0. The film gains g cos(a) (T -
+    mu_b) as a whole, so with mu_b = T it slides steadily: a Couette flow with imposed wall stress.
     """
     law = case.rheology
     curvature = law.density_bulk * gravity_normal(case) * case.boundary.mu_bed / law.viscosity
@@ -106,14 +116,15 @@ def film_imposed_bed_stress(case, z):
 
 
 def flowing_depth(case):
-    """h_f = w (T - mu_1)/mu_w: at that depth the walls carry the excess drive (Taberlet et al. 2003)."""
+    """h_f = w (T - mu_1)/mu_w, where the walls carry the excess drive; Taberlet et al. (2003)."""
     return (slope_ratio(case) - case.rheology.mu_1) / wall_ratio(case)
 
 
 def chute_drucker_prager(case, z):
     """Flow between lateral walls: eta du/dz = rho g cos a ((T - mu_1) y - (mu_w/w) y^2), y = H - z.
 
-    Momentum above depth y: tau = rho g cos a (T y - (mu_w/w) y^2). At rest below h_f, if the layer is that deep.
+    Momentum above depth y: tau = rho g cos a (T y - (mu_w/w) y^2). At rest below h_f, if the layer
+    is that deep.
     """
     law = case.rheology
     y, bottom = _depths(case, z)
@@ -127,13 +138,15 @@ def chute_drucker_prager(case, z):
 
 
 def chute_mu_I(case, z):
-    """mu(I(y)) = T - (mu_w/w) y; u = integral of (I/d) sqrt(phi g cos a y) from the depth of rest, by quadrature.
+    """mu(I(y)) = T - (mu_w/w) y; u = integral of (I/d) sqrt(phi g cos a y) from the depth of rest.
 
     Jop, Forterre & Pouliquen (2005), J. Fluid Mech. 541, 167, width-averaged.
     """
     law = case.rheology
     y, bottom = _depths(case, z)
-    scale = math.sqrt(law.density_bulk / law.density_grain * gravity_normal(case)) / law.grain_diameter
+    scale = (
+        math.sqrt(law.density_bulk / law.density_grain * gravity_normal(case)) / law.grain_diameter
+    )
 
     def shear(depth):
         mu = slope_ratio(case) - wall_ratio(case) * depth
@@ -152,10 +165,11 @@ def _depths(case, z):
 
 
 def incline_start_up(case, z, time, terms=200):
-    """Drucker-Prager layer (T > mu_1) from rest: the steady parabola less the decaying modes of the heat equation.
+    """Drucker-Prager layer (T > mu_1) from rest: the steady parabola less decaying modes.
 
-    u_t = A + nu u_zz with A = g cos a (T - mu_1), nu = eta/rho, u(0) = 0, u_z(H) = 0, since du/dz > 0 throughout:
-    u = A/nu (H z - z^2/2) - sum_n 2A/(nu H k_n^3) sin(k_n z) exp(-nu k_n^2 t), k_n = (2n + 1) pi/(2H).
+    u_t = A + nu u_zz with A = g cos a (T - mu_1), nu = eta/rho, u(0) = 0, u_z(H) = 0, since du/dz >
+    0 throughout: u = A/nu (H z - z^2/2) - sum_n 2A/(nu H k_n^3) sin(k_n z) exp(-nu k_n^2 t), k_n =
+    (2n + 1) pi/(2H).
     """
     law, depth = case.rheology, case.geometry.height_0
     drive = gravity_normal(case) * (slope_ratio(case) - law.mu_1)
@@ -168,8 +182,9 @@ def incline_start_up(case, z, time, terms=200):
 def stopping_inviscid(case, u_0, z, time):
     """Layer below yield (T < mu_1) without viscosity: u = max(0, u_0(z) - S t), u_0 rising with z.
 
-    Where the layer moves tau = mu_1 p, so every depth loses S = g cos a (mu_1 - T + 2 (mu_w/w) y) per unit time; the
-    static-flowing interface rises as S t = u_0. Bouchut, Ionescu & Mangeney (2016), Commun. Math. Sci. 14, 2075.
+    Where the layer moves tau = mu_1 p, so every depth loses S = g cos a (mu_1 - T + 2 (mu_w/w) y)
+    per unit time; the static-flowing interface rises as S t = u_0. Bouchut, Ionescu & Mangeney
+    (2016), Commun. Math. Sci. 14, 2075.
     """
     y = case.geometry.height_0 - np.asarray(z)
     loss = case.rheology.mu_1 - slope_ratio(case) + 2 * wall_ratio(case) * y
@@ -177,7 +192,7 @@ def stopping_inviscid(case, u_0, z, time):
 
 
 def block_acceleration(case, depth=None):
-    """A rigid block that slides down: g cos a (T - mu_b - (mu_w/w) H), m/s2 (walls: the mean pressure acts)."""
+    """A rigid block that slides down: g cos a (T - mu_b - (mu_w/w) H), m/s2."""
     depth = case.geometry.height_0 if depth is None else depth
     loss = case.boundary.mu_bed + wall_ratio(case) * depth
     return gravity_normal(case) * (slope_ratio(case) - loss)
@@ -189,19 +204,21 @@ def block_speed(case, u_0, time):
 
 
 def creep(case, z):
-    """Regularisation creep of a layer below yield on a bed that holds it: u = z gd, gd = gd_min r/sqrt(1 - r^2).
+    """Creep of a layer below yield on a bed that holds it: u = z gd, gd = gd_min r/sqrt(1 - r^2).
 
-    r = T/mu_1: mu_1 p gd/sqrt(gd^2 + gd_min^2) = T p has the same gd at every depth. An upper bound for the laws that
-    add a viscous part.
+    r = T/mu_1: mu_1 p gd/sqrt(gd^2 + gd_min^2) = T p has the same gd at every depth. An upper bound
+    for the laws that add a viscous part.
     """
     ratio = slope_ratio(case) / case.rheology.mu_1
     return z * case.numerics.shear_rate_min * ratio / math.sqrt(1 - ratio**2)
 
 
 def pressure_tilted_box(case, x):
-    """Bed pressure rho g (H cos a + (x - L/2) sin a), Pa, under a surface level with gravity, mean height H."""
+    """Bed pressure under a level surface: rho g (H cos a + (x - L/2) sin a), Pa."""
     slope = math.radians(case.geometry.slope_angle_deg)
-    depth = case.geometry.height_0 * math.cos(slope) + (x - 0.5 * case.geometry.length_0) * math.sin(slope)
+    depth = case.geometry.height_0 * math.cos(slope) + (
+        x - 0.5 * case.geometry.length_0
+    ) * math.sin(slope)
     return case.rheology.density_bulk * GRAVITY * depth
 
 
@@ -214,7 +231,7 @@ def disc(x, z, x_centre, z_centre, radius):
 
 
 def slotted_disc(x, z):
-    """Zalesak's disc in the unit square: radius 0.15 at (0.5, 0.75), slot 0.05 wide and 0.25 high from below.
+    """Zalesak's disc in the unit square: radius 0.15 at (0.5, 0.75), slot 0.05 wide, 0.25 high.
 
     Signed distance. Zalesak (1979), J. Comput. Phys. 31, 335 (there in units of a hundredth).
     """
@@ -231,25 +248,29 @@ def slotted_disc(x, z):
     inside = (circle < 0) & ~in_slot
     depth = np.minimum(-circle, np.where(z < bottom, corner, outside_slot))
     above_chord = np.where(np.abs(x) < half_width, z > bottom, True)
-    away = np.where(in_slot & above_chord, np.minimum(side, roof),
-                    np.where((np.abs(x) < half_width) & (z < 0), corner, circle))
+    away = np.where(
+        in_slot & above_chord,
+        np.minimum(side, roof),
+        np.where((np.abs(x) < half_width) & (z < 0), corner, circle),
+    )
     return np.where(inside, -depth, away)
 
 
 def rotation(x, z, time):
-    """Solid-body rotation about the middle of the unit square, one turn per unit time; (u, w), 1/s times m."""
+    """Solid-body rotation about the middle of the unit square, one turn per second; (u, w), m/s."""
     return 2 * math.pi * (0.5 - z), 2 * math.pi * (x - 0.5)
 
 
 def single_vortex(period):
     """Velocity (x, z, time) -> (u, w) that stretches a disc into a spiral and back within `period`.
 
-    Stream function sin^2(pi x) sin^2(pi z)/pi times cos(pi t/period); LeVeque (1996), SIAM J. Numer. Anal. 33, 627.
+    Stream function sin^2(pi x) sin^2(pi z)/pi times cos(pi t/period); LeVeque (1996), SIAM J.
+    Numer. Anal. 33, 627.
     """
 
     def velocity(x, z, time):
         swing = math.cos(math.pi * time / period)
-        u = -np.sin(math.pi * x) ** 2 * np.sin(2 * math.pi * z) * swing
+        u = -(np.sin(math.pi * x) ** 2) * np.sin(2 * math.pi * z) * swing
         w = np.sin(math.pi * z) ** 2 * np.sin(2 * math.pi * x) * swing
         return u, w
 

@@ -1,7 +1,8 @@
-"""Flows with a known solution, set up on the production solver: the same `Simulation` that runs a collapse.
+"""Flows with a known solution, set up on the `Simulation` that runs a collapse.
 
-A uniform flow is a level layer in a periodic stretch of the channel, a few columns long. Nothing in it is explicit
-(the surface does not move and velocities do not vary along the bed), so its time step may be set at will.
+A uniform flow is a level layer in a periodic stretch of the channel, a few columns long. Nothing in
+it is explicit (the surface does not move and velocities do not vary along the bed), so its time
+step may be set at will.
 """
 
 import math
@@ -31,7 +32,7 @@ class UniformFlow(Simulation):
         return self.chosen_dt
 
     def profile(self):
-        """u (m/s) at the heights (m) of the wet cell centres, as (z, u)."""
+        """U (m/s) at the heights (m) of the wet cell centres, as (z, u)."""
         wet = self.geometry.filled[HALO] > 1e-3
         return self.grid.z_centres[wet], self.state.u[HALO, wet]
 
@@ -41,14 +42,15 @@ class UniformFlow(Simulation):
         return float(mass @ self.state.u[HALO] / mass.sum())
 
     def surface_velocity(self):
-        """u of the uppermost wet cell, m/s."""
+        """U of the uppermost wet cell, m/s."""
         return float(self.profile()[1][-1])
 
 
 def layer_case(cell_size, depth, **changes):
-    """Case of a layer of `depth` (m) in a periodic stretch, without lateral walls unless `changes` adds them.
+    """Case of a layer of `depth` (m) in a periodic stretch; no lateral walls, unless added.
 
-    Keys are those of the case file with a double underscore for the dot, as in `rheology__mu_1 = 0.38`.
+    Keys are those of the case file with a double underscore for the dot, as in `rheology__mu_1 =
+    0.38`.
     """
     keys = {
         "grid.cell_size": cell_size,
@@ -74,7 +76,8 @@ def layer(case, velocity, dt, depth=None, slip=0.0):
     dt : float
         Time step, s.
     depth : float, optional
-        Depth of the layer, m, at most height_0 (which is its default; a case must be four cells high).
+        Depth of the layer, m, at most height_0 (which is its default; a case must be four cells
+        high).
     slip : float
         Velocity at the bed, m/s.
 
@@ -157,7 +160,7 @@ def transport(surface, velocity, duration, cells, courant=0.5):
 
 
 def surface_errors(phi, expected):
-    """(relative area error, symmetric difference relative to the area) of two surfaces on the same nodes."""
+    """(area error, symmetric difference) of two surfaces, relative to the area."""
     found, wanted = cell_fractions(phi), cell_fractions(expected)
     area = wanted.sum()
     return float(found.sum() / area - 1.0), float(np.abs(found - wanted).sum() / area)

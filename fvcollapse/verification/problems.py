@@ -1,8 +1,8 @@
-"""The verification problems: each is solved on at least three grids and compared with its exact solution.
+"""The verification problems: each solved on at least three grids, beside its exact solution.
 
-Errors are relative to a scale of the flow (its surface velocity, the weight, the area of the surface). A problem passes
-if its largest error on the finest grid is within `tolerance` and, where theory gives an order of convergence, the
-fitted order is at least the expected one less 0.2.
+Errors are relative to a scale of the flow (its surface velocity, the weight, the area of the
+surface). A problem passes if its largest error on the finest grid is within `tolerance` and, where
+theory gives an order of convergence, the fitted order is at least the expected one less 0.2.
 """
 
 import math
@@ -31,9 +31,9 @@ DEPTH = 0.02  # m, of the layers, unless said otherwise
 class Problem(NamedTuple):
     """A flow with a known solution.
 
-    name : as on the command line; equation : what it proves; errors : cells -> relative errors (1-D array);
-    grids : cells per depth (or per side); expected_order : or None; tolerance : of the largest error, finest grid;
-    source : of the tolerance where no order applies.
+    `errors` takes the number of cells per depth (or per side) and returns the relative errors, a
+    1-D array; `tolerance` is that of the largest error on the finest grid, and `source` says where
+    it comes from if there is no order of convergence to expect.
     """
 
     name: str
@@ -51,8 +51,8 @@ def solve(problem, grids=None):
     Returns
     -------
     dict
-        name, grids, error_l1, error_l2, error_linf (lists, one value per grid), observed_order, expected_order,
-        tolerance, passed.
+        name, grids, error_l1, error_l2, error_linf (lists, one value per grid), observed_order,
+        expected_order, tolerance, passed.
     """
     grids = problem.grids if grids is None else grids
     errors = [np.atleast_1d(problem.errors(cells)) for cells in grids]
@@ -77,7 +77,7 @@ def solve(problem, grids=None):
 
 
 def fitted_order(grids, errors):
-    """Slope of log(error) against log(cell size), least squares; None where an error is zero or not finite."""
+    """Least-squares slope of log(error) against log(cell size); None if an error is zero or NaN."""
     if not all(0.0 < error < math.inf for error in errors):
         return None
     return float(-np.polyfit(np.log(grids), np.log(errors), 1)[0])
@@ -104,11 +104,13 @@ def steady_errors(solution, depth=DEPTH, **changes):
 
 def bagnold_errors(slope_angle_deg):
     """Bagnold flow of glass beads."""
-    return steady_errors(exact.bagnold, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": slope_angle_deg})
+    return steady_errors(
+        exact.bagnold, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": slope_angle_deg}
+    )
 
 
 def bagnold_gerris_errors(cells):
-    """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors, surface speed 2.07."""
+    """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors."""
     unit = math.sqrt(9.81)
     case = layer_case(
         1.0 / cells,
@@ -149,7 +151,7 @@ def imposed_bed_stress_errors(cells):
 
 
 def slip_errors(cells):
-    """Gain of mean velocity of a sheared mu(I) layer on a bed that slides, mu_b = mu_1 < tan(slope)."""
+    """Gain of mean velocity of a sheared mu(I) layer that slides, mu_b = mu_1 < tan(slope)."""
     case = layer_case(
         DEPTH / cells,
         DEPTH,
@@ -164,7 +166,7 @@ def slip_errors(cells):
 
 
 def block_errors(walls):
-    """A rigid block, braked: speed at five instants before, at and after the stop, relative to the start."""
+    """A rigid block, braked: speed before, at and after the stop, relative to the start."""
 
     def errors(cells):
         case = layer_case(
@@ -187,9 +189,14 @@ def block_errors(walls):
 
 
 def start_up_errors(cells):
-    """Drucker-Prager layer from rest at t = 0.1 s, with dt proportional to the cell size squared."""
+    """Drucker-Prager layer from rest at t = 0.1 s; dt proportional to the cell size squared."""
     case = layer_case(
-        DEPTH / cells, DEPTH, rheology__law="drucker_prager", rheology__viscosity=1.0, **SLOPE, rheology__mu_1=0.38
+        DEPTH / cells,
+        DEPTH,
+        rheology__law="drucker_prager",
+        rheology__viscosity=1.0,
+        **SLOPE,
+        rheology__mu_1=0.38,
     )
     flow = layer(case, np.zeros_like, dt=0.02 * (8 / cells) ** 2)
     z, u = run_until(flow, 0.1).profile()
@@ -239,7 +246,7 @@ def creep_errors(cells):
 
 
 def tilted_box_errors(cells):
-    """Bed pressure of a box tilted by 22 degrees with a level surface, relative to rho g depth; and the speed in m/s."""
+    """Bed pressure of a box tilted by 22 degrees, relative to rho g depth; and the speed in m/s."""
     case = Case().replace(
         **{
             "grid.cell_size": 0.14 / cells,
@@ -256,7 +263,7 @@ def tilted_box_errors(cells):
 
 
 def bed_pressures(simulation):
-    """Reaction of the bed in the column's cells, and rho g times the depth below the level surface, Pa."""
+    """Reaction of the bed in the column's cells, and rho g depth below the level surface, Pa."""
     state, work = simulation.state, simulation.work
     columns = simulation.gate_column
     density, normal = simulation.case.rheology.density_bulk, simulation.gravity[1]
@@ -273,14 +280,16 @@ def bed_pressures(simulation):
         )
         for column in range(columns)
     ]
-    return np.array(found), exact.pressure_tilted_box(simulation.case, simulation.grid.x_centres[:columns])
+    return np.array(found), exact.pressure_tilted_box(
+        simulation.case, simulation.grid.x_centres[:columns]
+    )
 
 
 # -- surfaces ----------------------------------------------------------------------------------
 
 
 def surface_problem(surface, velocity, duration, expected=None):
-    """Area error and symmetric difference after the surface has returned (or reached `expected`)."""
+    """Area error and symmetric difference once the surface is back (or at `expected`)."""
 
     def errors(cells):
         phi = transport(surface, velocity, duration, cells)
@@ -305,74 +314,200 @@ UPPER_DISC = disc_at(0.5, 0.75)
 REGULARISATION = "regularisation: shear_rate_min and the slip speed of the walls"
 
 PROBLEMS = (
-    Problem("bagnold_22deg", "mu(I), equations 3-7", bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_24deg", "mu(I), equations 3-7", bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_28deg", "mu(I), equations 3-7", bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_gerris", "mu(I), against Gerris", bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4),
+    Problem(
+        "bagnold_22deg", "mu(I), equations 3-7", bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_24deg", "mu(I), equations 3-7", bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_28deg", "mu(I), equations 3-7", bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_gerris", "mu(I), against Gerris", bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4
+    ),
     Problem(
         "incline_drucker_prager",
         "Drucker-Prager, equation 8",
-        steady_errors(exact.incline_drucker_prager, **SLOPE, rheology__law="drucker_prager",
-                      rheology__mu_1=0.38, rheology__viscosity=1.0),
-        (8, 16, 32, 64), 2.0, 1e-4,
+        steady_errors(
+            exact.incline_drucker_prager,
+            **SLOPE,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=1.0,
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        1e-4,
     ),
     Problem(
         "film_newtonian",
         "div(2 eta D): half a Poiseuille flow",
-        steady_errors(exact.film_newtonian, **SLOPE, rheology__law="newtonian", rheology__viscosity=1.0),
-        (8, 16, 32, 64), 2.0, 1e-4,
+        steady_errors(
+            exact.film_newtonian, **SLOPE, rheology__law="newtonian", rheology__viscosity=1.0
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        1e-4,
     ),
     Problem(
         "film_bingham",
         "yield stress: half a Bingham Poiseuille flow",
-        steady_errors(exact.film_bingham, **SLOPE, rheology__law="bingham", rheology__viscosity=1.0,
-                      rheology__cohesion=50.0),
-        (8, 16, 32, 64), 2.0, 5e-4,
+        steady_errors(
+            exact.film_bingham,
+            **SLOPE,
+            rheology__law="bingham",
+            rheology__viscosity=1.0,
+            rheology__cohesion=50.0,
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        5e-4,
     ),
     Problem(
         "chute_drucker_prager_shallow",
         "lateral friction, equation 19",
-        steady_errors(exact.chute_drucker_prager, **{**SLOPE, "geometry__slope_angle_deg": 25.0}, **WALLS,
-                      rheology__law="drucker_prager", rheology__mu_1=0.38, rheology__viscosity=20.0),
-        (8, 16, 32, 64), 1.8, 1e-3,
+        steady_errors(
+            exact.chute_drucker_prager,
+            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
+            **WALLS,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=20.0,
+        ),
+        (8, 16, 32, 64),
+        1.8,
+        1e-3,
     ),
     Problem(
         "chute_mu_I_shallow",
         "lateral friction, equation 19",
-        steady_errors(exact.chute_mu_I, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS),
-        (8, 16, 32, 64), 1.8, 1e-3,
+        steady_errors(
+            exact.chute_mu_I, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
+        ),
+        (8, 16, 32, 64),
+        1.8,
+        1e-3,
     ),
     Problem(
         "chute_drucker_prager_deep",
         "lateral friction, equation 19: flowing depth",
-        steady_errors(exact.chute_drucker_prager, 0.06, **{**SLOPE, "geometry__slope_angle_deg": 25.0}, **WALLS,
-                      rheology__law="drucker_prager", rheology__mu_1=0.38, rheology__viscosity=20.0),
-        (8, 16, 32), None, 1e-2, REGULARISATION,
+        steady_errors(
+            exact.chute_drucker_prager,
+            0.06,
+            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
+            **WALLS,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=20.0,
+        ),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
     ),
     Problem(
         "chute_mu_I_deep",
         "lateral friction, equation 19: flowing depth",
-        steady_errors(exact.chute_mu_I, 0.08, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS),
-        (8, 16, 32), None, 1e-2, REGULARISATION,
+        steady_errors(
+            exact.chute_mu_I, 0.08, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
+        ),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
     ),
-    Problem("imposed_bed_stress", "Coulomb bed, equation 12", imposed_bed_stress_errors, (8, 16, 32), None, 1e-5,
-            "tolerance of the solver"),
-    Problem("bed_slip", "Coulomb bed, equation 12", slip_errors, (4, 8, 16), None, 1e-5, "tolerance of the solver"),
-    Problem("block", "Coulomb bed, stick and slip", block_errors(False), (4, 8, 16), None, 1e-3, "creep"),
-    Problem("block_walls", "lateral friction, stick and slip", block_errors(True), (4, 8, 16), None, 1e-3, "creep"),
+    Problem(
+        "imposed_bed_stress",
+        "Coulomb bed, equation 12",
+        imposed_bed_stress_errors,
+        (8, 16, 32),
+        None,
+        1e-5,
+        "tolerance of the solver",
+    ),
+    Problem(
+        "bed_slip",
+        "Coulomb bed, equation 12",
+        slip_errors,
+        (4, 8, 16),
+        None,
+        1e-5,
+        "tolerance of the solver",
+    ),
+    Problem(
+        "block", "Coulomb bed, stick and slip", block_errors(False), (4, 8, 16), None, 1e-3, "creep"
+    ),
+    Problem(
+        "block_walls",
+        "lateral friction, stick and slip",
+        block_errors(True),
+        (4, 8, 16),
+        None,
+        1e-3,
+        "creep",
+    ),
     Problem("start_up", "inertia with viscosity", start_up_errors, (8, 16, 32), 2.0, 1e-3),
-    Problem("stopping", "yield, static-flowing interface", stopping_errors(False), (8, 16, 32), None, 1e-2,
-            REGULARISATION),
-    Problem("stopping_walls", "the same with lateral walls", stopping_errors(True), (8, 16, 32), None, 1e-2,
-            REGULARISATION),
+    Problem(
+        "stopping",
+        "yield, static-flowing interface",
+        stopping_errors(False),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "stopping_walls",
+        "the same with lateral walls",
+        stopping_errors(True),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
     Problem("creep", "regularisation", creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
-    Problem("tilted_box", "pressure, cut cells", tilted_box_errors, (10, 16, 24), None, 1e-6, "round-off"),
-    Problem("disc", "level set", surface_problem(disc_at(0.3, 0.3), uniform, 1.0, disc_at(0.7, 0.6)),
-            (32, 64, 128), 1.8, 1e-3),
-    Problem("zalesak", "level set", surface_problem(exact.slotted_disc, exact.rotation, 1.0), (50, 100, 200), None,
-            0.05, "corners of the slot are rounded"),
-    Problem("vortex_2s", "level set", surface_problem(UPPER_DISC, exact.single_vortex(2.0), 2.0), (32, 64, 128), 1.8,
-            1e-2),
-    Problem("vortex_8s", "level set", surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0), (64, 128, 192), None,
-            1.5, "filaments thinner than a cell are lost"),
+    Problem(
+        "tilted_box",
+        "pressure, cut cells",
+        tilted_box_errors,
+        (10, 16, 24),
+        None,
+        1e-6,
+        "round-off",
+    ),
+    Problem(
+        "disc",
+        "level set",
+        surface_problem(disc_at(0.3, 0.3), uniform, 1.0, disc_at(0.7, 0.6)),
+        (32, 64, 128),
+        1.8,
+        1e-3,
+    ),
+    Problem(
+        "zalesak",
+        "level set",
+        surface_problem(exact.slotted_disc, exact.rotation, 1.0),
+        (50, 100, 200),
+        None,
+        0.05,
+        "corners of the slot are rounded",
+    ),
+    Problem(
+        "vortex_2s",
+        "level set",
+        surface_problem(UPPER_DISC, exact.single_vortex(2.0), 2.0),
+        (32, 64, 128),
+        1.8,
+        1e-2,
+    ),
+    Problem(
+        "vortex_8s",
+        "level set",
+        surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0),
+        (64, 128, 192),
+        None,
+        1.5,
+        "filaments thinner than a cell are lost",
+    ),
 )

@@ -1,4 +1,4 @@
-"""A layer that slides on its bed feels mu_b p, whatever its rheology and however few cells it is thick.
+"""A layer that slides on its bed feels mu_b p, however few cells it is thick.
 
 The traction is measured as the gain of mean velocity: du/dt = g cos a (tan a - mu_b).
 """
@@ -24,7 +24,9 @@ def acceleration(case, velocity, cells, slip):
 @THICKNESSES
 @pytest.mark.parametrize("mu_bed", [0.30, 0.44])
 def test_plug(cells, mu_bed):
-    case = layer_case(CELL, 4 * CELL, boundary__mu_bed=mu_bed, rheology__mu_1=0.9, rheology__mu_2=0.9)
+    case = layer_case(
+        CELL, 4 * CELL, boundary__mu_bed=mu_bed, rheology__mu_1=0.9, rheology__mu_2=0.9
+    )
     found = acceleration(case, lambda z: 1.0 + 0.0 * z, cells, 1.0)
     assert found == pytest.approx(exact.block_acceleration(case), rel=0.01)
 

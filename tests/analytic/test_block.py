@@ -1,4 +1,4 @@
-"""A rigid block between lateral walls stops at the exact time and never turns back; no direction is preferred."""
+"""A rigid block between lateral walls stops at the exact time; no direction is preferred."""
 
 import numpy as np
 import pytest
@@ -49,7 +49,9 @@ def test_flow_to_the_left_mirrors_flow_to_the_right():
 
 
 def column_sinks(u, w):
-    simulation = Simulation(Case().replace(**{"grid.cell_size": 0.02, "effects.lateral_friction": {}}))
+    simulation = Simulation(
+        Case().replace(**{"grid.cell_size": 0.02, "effects.lateral_friction": {}})
+    )
     geometry, state = simulation.geometry, simulation.state
     pressures = np.zeros_like(state.u), np.zeros_like(state.w)
     face_pressures(*pressures, state.pressure_filled, geometry)
@@ -61,9 +63,11 @@ def column_sinks(u, w):
     return geometry, pressures, (u, w), sinks, split
 
 
-@pytest.mark.parametrize(("u", "w"), [(0.6, 0.8), (-0.6, 0.8), (0.0, 1.0), (1.0, 0.0), (-0.6, -0.8)])
+@pytest.mark.parametrize(
+    ("u", "w"), [(0.6, 0.8), (-0.6, 0.8), (0.0, 1.0), (1.0, 0.0), (-0.6, -0.8)]
+)
 def test_sink_acts_along_the_velocity_on_both_components(u, w):
-    """The coefficient is (2 mu_w/w) p/|u| on both; the split form shortens both by the same factor."""
+    """The coefficient is (2 mu_w/w) p/|u| on both; the split form shortens both alike."""
     geometry, pressures, _, sinks, split = column_sinks(u, w)
     x, z = (5, 3), (5, 3)
     assert sinks[0][x] == pytest.approx(3.6 * pressures[0][x], rel=1e-9)
@@ -76,7 +80,9 @@ def test_sink_acts_along_the_velocity_on_both_components(u, w):
 
 def test_wall_pressures_sum_to_the_volume_integral():
     _, pressures, *_ = column_sinks(1.0, 0.0)
-    simulation = Simulation(Case().replace(**{"grid.cell_size": 0.02, "effects.lateral_friction": {}}))
+    simulation = Simulation(
+        Case().replace(**{"grid.cell_size": 0.02, "effects.lateral_friction": {}})
+    )
     total = simulation.state.pressure_filled.sum()
     for pressure in pressures:
         assert pressure.sum() == pytest.approx(total, rel=1e-12)

@@ -1,4 +1,4 @@
-"""Cut cells: area, lever rule and face masses are exact for planes, and gravity is balanced exactly."""
+"""Cut cells: area, lever rule and face masses are exact for planes; gravity is balanced."""
 
 import math
 
@@ -37,7 +37,9 @@ def test_moments_of_a_corner(a, b):
 @given(st.tuples(*[st.floats(-1, 1)] * 4))
 def test_inside_and_outside_fill_the_cell(corners):
     corners = [corner if abs(corner) > 1e-6 else 1e-6 for corner in corners]
-    diagonal_is_ambiguous = np.sign(corners[0]) == np.sign(corners[2]) != np.sign(corners[1]) == np.sign(corners[3])
+    diagonal_is_ambiguous = (
+        np.sign(corners[0]) == np.sign(corners[2]) != np.sign(corners[1]) == np.sign(corners[3])
+    )
     inside = polygon_moments(*corners)
     outside = polygon_moments(*(-corner for corner in corners))
     assert 0.0 <= inside[0] <= 1.0
@@ -79,7 +81,9 @@ def test_face_masses_sum_to_the_volume(slope):
 @pytest.mark.parametrize("cell_size_z", [0.01, 0.007])
 def test_level_surface_is_balanced_at_any_angle(slope, cell_size_z):
     simulation = box(
-        geometry__surface="horizontal", geometry__slope_angle_deg=slope, grid__cell_size_z=cell_size_z
+        geometry__surface="horizontal",
+        geometry__slope_angle_deg=slope,
+        grid__cell_size_z=cell_size_z,
     )
     pressure, expected = bed_pressures(simulation)
     assert pressure == pytest.approx(expected, rel=1e-6)

@@ -1,4 +1,4 @@
-"""The free surface in a given velocity, by the solver's own routines: area and symmetric difference."""
+"""The free surface in a given velocity: area error and symmetric difference."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_restoring_the_distance_does_not_move_the_surface():
     assert difference < 2e-3
     near = np.abs(phi) < 3 / 64
     distance = exact.disc(x, z, 0.5, 0.5, 0.2)
-    assert np.abs(phi - distance)[near].max() < 0.02 / 64
+    assert np.abs(phi - distance)[near].max() < 0.03 / 64
 
 
 def test_slotted_disc_is_a_distance():
@@ -62,7 +62,7 @@ def test_zalesak_disc():
 
 @pytest.mark.slow
 def test_single_vortex_of_eight_seconds():
-    """Filaments thinner than a cell are lost; targets of the literature on this grid: area -8 %, difference 0.7."""
+    """Filaments thinner than a cell are lost; a prototype had area -8 %, difference 0.7."""
     phi = transport(UPPER_DISC, exact.single_vortex(8.0), 8.0, 128)
     area, difference = surface_errors(phi, UPPER_DISC(*nodes(128)))
     assert abs(area) < 0.35

@@ -52,7 +52,7 @@ def test_inclined_column_creeps_below_the_bound_and_its_forces_balance(width):
 
 
 def forces(simulation):
-    """(weight, forces on the grains along x, along z), N/m, from the reactions of the discrete equations."""
+    """(weight, forces on the grains along x, along z), N/m, from the discrete reactions."""
     state, geometry, work = simulation.state, simulation.geometry, simulation.work
     (dx, dz), (gx, gz), gate = simulation.spacing, simulation.gravity, simulation.gate_column
     density = simulation.case.rheology.density_bulk
@@ -84,18 +84,29 @@ def forces(simulation):
 
 @pytest.mark.parametrize("law", ["mu_I", "drucker_prager"])
 def test_layer_below_yield_creeps_below_the_bound(law):
-    """0.14 m at 0.9 arctan(mu_1), at most 0.2 mm/s with the default regularisation; every setting the default."""
+    """0.14 m at 0.9 arctan(mu_1), every setting the default: at most 0.2 mm/s."""
     slope = 0.9 * math.degrees(math.atan(0.48))
-    case = layer_case(0.0175, 0.14, geometry__slope_angle_deg=slope, rheology__law=law,
-                      numerics__tolerance=1e-3, numerics__max_sweeps=30)
+    case = layer_case(
+        0.0175,
+        0.14,
+        geometry__slope_angle_deg=slope,
+        rheology__law=law,
+        numerics__tolerance=1e-3,
+        numerics__max_sweeps=30,
+    )
     flow = run_until(layer(case, np.zeros_like, dt=1e-3), 0.5)
     assert 0.0 < flow.surface_velocity() <= min(exact.creep(case, 0.14), 2e-4)
 
 
 def test_creep_is_the_formula_to_2_percent():
     slope = 0.9 * math.degrees(math.atan(0.48))
-    case = layer_case(0.0175, 0.14, geometry__slope_angle_deg=slope, rheology__law="drucker_prager",
-                      rheology__viscosity=0.0)
+    case = layer_case(
+        0.0175,
+        0.14,
+        geometry__slope_angle_deg=slope,
+        rheology__law="drucker_prager",
+        rheology__viscosity=0.0,
+    )
     flow = run_until(layer(case, np.zeros_like, dt=0.05), 1.0)
     z, u = flow.profile()
     assert u == pytest.approx(exact.creep(case, z), rel=0.02)

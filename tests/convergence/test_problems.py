@@ -1,4 +1,4 @@
-"""Every verification problem: on its first three grids by default, on all of them with `-m slow`."""
+"""Every verification problem: on its first three grids, and on all of them with `-m slow`."""
 
 import json
 
@@ -53,7 +53,15 @@ def test_verify_writes_its_rows(tmp_path, capsys):
     rows = verify(["bed_slip"], path)
     assert json.loads(path.read_text()) == rows
     assert set(rows[0]) == {
-        "name", "grids", "error_l1", "error_l2", "error_linf", "observed_order", "expected_order", "tolerance", "passed",
+        "name",
+        "grids",
+        "error_l1",
+        "error_l2",
+        "error_linf",
+        "observed_order",
+        "expected_order",
+        "tolerance",
+        "passed",
     }
     assert "bed_slip" in capsys.readouterr().out
 

@@ -1,7 +1,7 @@
 """A short collapse, against stored values: a change of the numerics shows here first.
 
-Remake the values with `python tests/regression/test_collapse.py` from the folder of the checkout, after a change that
-is meant to move them, and say in the commit what moved and why.
+Remake the values with `python tests/regression/test_collapse.py` from the folder of the checkout,
+after a change that is meant to move them, and say in the commit what moved and why.
 """
 
 import json
@@ -59,6 +59,11 @@ def test_collapse_is_as_stored():
 
 
 if __name__ == "__main__":
-    provenance = {"version": __version__, "keys": KEYS, "time": END, "made_by": "tests/regression/test_collapse.py"}
+    provenance = {
+        "version": __version__,
+        "keys": KEYS,
+        "time": END,
+        "made_by": "tests/regression/test_collapse.py",
+    }
     STORED.write_text(json.dumps({"provenance": provenance, "values": measure()}, indent=1) + "\n")
     print(STORED.read_text())
