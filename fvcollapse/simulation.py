@@ -31,6 +31,7 @@ DISTANCE_TOLERANCE = 3.0
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
 HALVINGS = 5
+PENALTY = 4.0e5  # of the incompressibility, in units of rho h0 sqrt(g h0): 1e8 Pa s for the paper's column
 GROWTH = 16
 
 
@@ -169,15 +170,19 @@ class Simulation:
         state, (dx, dz) = self.state, self.spacing
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
-        level_set.advect(state.level_set, u_node, w_node, dt, dx, dz)
-        state.steps_since_reinitialisation += 1
-        if (state.steps_since_reinitialisation >= REINITIALISE_EVERY
+        u_surface, w_surface = np.empty_like(u_node), np.empty_like(w_node)
+        level_set.carry_from_surface(u_surface, w_surface, u_node, w_node, state.level_set,
+                                     level_set.BAND * max(dx, dz), dx, dz)
+        level_set.advect(state.level_set, u_surface, w_surface, dt, dx, dz)
+        speed = np.hypot(u_node, w_node)
+        fastest = speed.max()
+        moving = fastest * dt > 1e-3 * min(dx, dz)  # a surface that rests needs no restoring
+        state.steps_since_reinitialisation += moving
+        if moving and (state.steps_since_reinitialisation >= REINITIALISE_EVERY
                 or level_set.distance_error(state.level_set, dx, dz) > DISTANCE_TOLERANCE):
             level_set.reinitialise(state.level_set, 12, dx, dz)
             state.steps_since_reinitialisation = 0
         self._repeat(state.level_set)
-        speed = np.hypot(u_node, w_node)
-        fastest = speed.max()
         if fastest == 0.0:
             return 0.0
         self._book_outflow(u_node, dt)
@@ -231,10 +236,11 @@ class Simulation:
         if walls is not None and walls.closure == "sink" and math.isfinite(case.geometry.channel_width):
             strength = 2.0 * walls.mu_wall / case.geometry.channel_width
         scale = math.sqrt(GRAVITY * case.geometry.height_0)
-        rate_start = 1.0 if self.state.step < 10 else 0.0
+        rate_start = 0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
+        penalty = PENALTY * case.rheology.density_bulk * case.geometry.height_0 * scale
         return coupled.Balance(dt, case.rheology.density_bulk, *self.gravity, float(case.boundary.mu_bed),
                                0.0 if self.halo else float(case.boundary.mu_back_wall), strength,
-                               0.1 * numerics.shear_rate_min * case.geometry.height_0, 1e8, numerics.unilateral,
+                               0.1 * numerics.shear_rate_min * case.geometry.height_0, penalty, numerics.unilateral,
                                tolerance or numerics.tolerance, 0.01 * scale, max_sweeps or numerics.max_sweeps,
                                rate_start)
 

@@ -152,6 +152,12 @@ def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
 
 
 @njit(cache=True)
+def larger(a, b):
+    """Maximum of a and b; NaN if b is NaN, which `max` would drop."""
+    return a if b <= a else b
+
+
+@njit(cache=True)
 def take_solution(u, w, solution, geometry):
     """Write the solution to the faces; return (largest change, largest speed), m/s."""
     nx, nz = geometry.filled.shape
@@ -160,15 +166,15 @@ def take_solution(u, w, solution, geometry):
         for k in range(nz):
             n = geometry.index_u[i, k]
             if n >= 0:
-                change = max(change, abs(solution[n] - u[i, k]))
-                largest = max(largest, abs(solution[n]))
+                change = larger(change, abs(solution[n] - u[i, k]))
+                largest = larger(largest, abs(solution[n]))
                 u[i, k] = solution[n]
     for i in range(nx):
         for k in range(nz + 1):
             n = geometry.index_w[i, k]
             if n >= 0:
-                change = max(change, abs(solution[n] - w[i, k]))
-                largest = max(largest, abs(solution[n]))
+                change = larger(change, abs(solution[n] - w[i, k]))
+                largest = larger(largest, abs(solution[n]))
                 w[i, k] = solution[n]
     return change, largest
 
@@ -254,8 +260,7 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0
     for n in range(residual.size):
-        if not abs(residual[n]) <= largest:  # also true for NaN, which must surface
-            largest = abs(residual[n])
+        largest = larger(largest, abs(residual[n]))
     return largest / weight if weight > 0.0 else largest
 
 

@@ -1,4 +1,5 @@
 """Velocity beyond the surface: continued outwards layer by layer, for the advection of surface and momentum."""
+import numpy as np
 from numba import njit
 
 from .stencils import minmod
@@ -112,8 +113,11 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
     The outer faces of each empty cell (known later than the others) share the correction that closes its divergence.
     """
     nx, nz = filled.shape
+    add_u, add_w = np.zeros_like(u), np.zeros_like(w)
     for layer in range(2, layers + 2):
-        for i in range(1, nx):
+        add_u[:] = 0.0
+        add_w[:] = 0.0
+        for i in range(nx):
             for k in range(nz):
                 if filled[i, k] > 1.0e-8:
                     continue
@@ -121,21 +125,13 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
                 low = min(min(known_u[i, k], known_u[i + 1, k]), min(known_w[i, k], known_w[i, k + 1]))
                 if top != layer or low == 0:
                     continue
+                left, right = known_u[i, k] == layer, known_u[i + 1, k] == layer
+                below, above = known_w[i, k] == layer, known_w[i, k + 1] == layer
                 div = (u[i + 1, k] - u[i, k]) / dx + (w[i, k + 1] - w[i, k]) / dz
-                total = 0.0
-                if known_u[i, k] == layer:
-                    total += 1.0 / dx**2
-                if known_u[i + 1, k] == layer:
-                    total += 1.0 / dx**2
-                if known_w[i, k] == layer:
-                    total += 1.0 / dz**2
-                if known_w[i, k + 1] == layer:
-                    total += 1.0 / dz**2
-                if known_u[i, k] == layer:
-                    u[i, k] += div / dx / total
-                if known_u[i + 1, k] == layer:
-                    u[i + 1, k] -= div / dx / total
-                if known_w[i, k] == layer:
-                    w[i, k] += div / dz / total
-                if known_w[i, k + 1] == layer:
-                    w[i, k + 1] -= div / dz / total
+                share = div / ((left + right) / dx**2 + (below + above) / dz**2)
+                add_u[i, k] += left * share / dx
+                add_u[i + 1, k] -= right * share / dx
+                add_w[i, k] += below * share / dz
+                add_w[i, k + 1] -= above * share / dz
+        u += add_u
+        w += add_w

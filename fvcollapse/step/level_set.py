@@ -32,6 +32,36 @@ def node_velocity(u_node, w_node, u, w):
 
 
 @njit(cache=True)
+def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
+    """Give every node of the band the velocity of its nearest surface point x - phi n (bilinear).
+
+    The surface moves as before, but phi stays a distance much longer, since its contours no longer shear against
+    each other.
+    """
+    nx, nz = phi.shape
+    for i in range(nx):
+        for k in range(nz):
+            u_out[i, k], w_out[i, k] = u_node[i, k], w_node[i, k]
+            if abs(phi[i, k]) > band:
+                continue
+            left, right = max(i - 1, 0), min(i + 1, nx - 1)
+            low, high = max(k - 1, 0), min(k + 1, nz - 1)
+            gx = (phi[right, k] - phi[left, k]) / ((right - left) * dx)
+            gz = (phi[i, high] - phi[i, low]) / ((high - low) * dz)
+            size = math.sqrt(gx * gx + gz * gz)
+            if abs(size - 1.0) > 0.05:  # at a kink the nearest point is not where phi n leads
+                continue
+            x = min(max(i - phi[i, k] * gx / size / dx, 0.0), nx - 1.000001)
+            z = min(max(k - phi[i, k] * gz / size / dz, 0.0), nz - 1.000001)
+            a, b = int(x), int(z)
+            p, q = x - a, z - b
+            u_out[i, k] = ((1.0 - p) * ((1.0 - q) * u_node[a, b] + q * u_node[a, b + 1])
+                           + p * ((1.0 - q) * u_node[a + 1, b] + q * u_node[a + 1, b + 1]))
+            w_out[i, k] = ((1.0 - p) * ((1.0 - q) * w_node[a, b] + q * w_node[a, b + 1])
+                           + p * ((1.0 - q) * w_node[a + 1, b] + q * w_node[a + 1, b + 1]))
+
+
+@njit(cache=True)
 def close_bed(phi):
     """Wet the bed under every wet node of the first row.
 
@@ -124,6 +154,23 @@ def distance_error(phi, dx, dz):
 
 
 @njit(cache=True)
+def crossing(phi_0, phi_1, curvature, h):
+    """Distance from node 0 to the zero of the parabola through phi_0, phi_1 (opposite signs) with that curvature."""
+    linear = h * phi_0 / (phi_0 - phi_1)
+    if abs(curvature) * h * h < 1e-10 * abs(phi_0 - phi_1):
+        return linear
+    # phi(s) = phi_0 + s (phi_1 - phi_0)/h - curvature/2 s (h - s); two Newton steps from the linear root
+    s = linear
+    for _ in range(4):
+        f = phi_0 + s * (phi_1 - phi_0) / h - 0.5 * curvature * s * (h - s)
+        slope = (phi_1 - phi_0) / h - 0.5 * curvature * (h - 2.0 * s)
+        if slope == 0.0:
+            return linear
+        s -= f / slope
+    return s if 0.0 < s < h else linear
+
+
+@njit(cache=True)
 def one_sided(extended, old, a, b, step_a, step_b, h):
     """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards, distance used).
 
@@ -132,8 +179,10 @@ def one_sided(extended, old, a, b, step_a, step_b, h):
     here = old[a, b]
     there = old[a + step_a, b + step_b]
     if here * there < 0.0:
-        s = max(h * here / (here - there), 1e-6 * h)
-        return -extended[a, b] / s, s
+        curvature = minmod((old[a - step_a, b - step_b] - 2.0 * here + there) / (h * h),
+                           (here - 2.0 * there + old[a + 2 * step_a, b + 2 * step_b]) / (h * h))
+        s = max(crossing(here, there, curvature, h), 1e-6 * h)
+        return (0.0 - extended[a, b]) / s - 0.5 * s * curvature, s
     value = extended[a, b]
     next_value = extended[a + step_a, b + step_b]
     curvature = minmod((extended[a - step_a, b - step_b] - 2.0 * value + next_value) / (h * h),
