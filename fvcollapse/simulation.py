@@ -26,8 +26,6 @@ from .step import quantities
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
 
-REINITIALISE_EVERY = 10
-DISTANCE_TOLERANCE = 3.0
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
 HALVINGS = 5
@@ -151,7 +149,8 @@ class Simulation:
         h = min(dx, dz)
         step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
         moving = self.gate_is_moving()
-        dt = min(step_max, limit_advection(self.max_speed(), case.time.cfl, h), limit_surface_wave(GRAVITY, h),
+        fastest = max(np.abs(self.state.u).max(), np.abs(self.state.w).max())  # beyond the surface too
+        dt = min(step_max, limit_advection(fastest, case.time.cfl, h), limit_surface_wave(GRAVITY, h),
                  limit_gate(case.gate.speed, moving, dz))
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
@@ -161,8 +160,10 @@ class Simulation:
         return self.case.gate.speed > 0.0 and height < self.grid.nz * self.spacing[1]
 
     def max_speed(self):
-        """Largest face velocity, m/s."""
-        return max(np.abs(self.state.u).max(), np.abs(self.state.w).max())
+        """Largest velocity component on the faces of the grains, m/s."""
+        u = self.state.u[self.geometry.index_u >= 0]
+        w = self.state.w[self.geometry.index_w >= 0]
+        return max(np.abs(u).max(initial=0.0), np.abs(w).max(initial=0.0))
 
     # ---------------------------------------------------------------- its parts
 
@@ -176,12 +177,11 @@ class Simulation:
         level_set.advect(state.level_set, u_surface, w_surface, dt, dx, dz)
         speed = np.hypot(u_node, w_node)
         fastest = speed.max()
-        moving = fastest * dt > 1e-3 * min(dx, dz)  # a surface that rests needs no restoring
-        state.steps_since_reinitialisation += moving
-        if moving and (state.steps_since_reinitialisation >= REINITIALISE_EVERY
-                or level_set.distance_error(state.level_set, dx, dz) > DISTANCE_TOLERANCE):
-            level_set.reinitialise(state.level_set, 12, dx, dz)
-            state.steps_since_reinitialisation = 0
+        state.travel += fastest * dt / min(dx, dz)
+        state.travel_steps += 1
+        if level_set.needs_restoring(state.travel, state.travel_steps):
+            level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
+            state.travel, state.travel_steps = 0.0, 0
         self._repeat(state.level_set)
         if fastest == 0.0:
             return 0.0

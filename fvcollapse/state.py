@@ -18,7 +18,8 @@ SCALARS = {
     "volume_0": ("m2", "volume per unit width at t = 0"),
     "volume_correction": ("m2", "running sum of the absolute volume corrections"),
     "volume_outflow": ("m2", "volume that has left through an open end"),
-    "steps_since_reinitialisation": ("1", "steps since the signed distance was last restored"),
+    "travel": ("1", "cells the fastest point has moved since the signed distance was last restored"),
+    "travel_steps": ("1", "steps since then"),
 }
 
 
@@ -37,7 +38,8 @@ class State:
     volume_0: float = 0.0
     volume_correction: float = 0.0
     volume_outflow: float = 0.0
-    steps_since_reinitialisation: int = 0
+    travel: float = 0.0
+    travel_steps: int = 0
 
     def copy(self):
         """Independent copy of the state."""

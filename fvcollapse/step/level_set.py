@@ -14,7 +14,15 @@ from numba import njit
 from .geometry import polygon_moments
 from .stencils import derivative_weno5, minmod
 
+RESTORE_AFTER = 2.5  # cells travelled by the fastest point; half the band, so that it never runs out of it
+RESTORE_EVERY = 10  # steps, once a tenth of that way is travelled: shear distorts phi even in a slow flow
+SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
+
+
+def needs_restoring(travel, steps):
+    """Whether the signed distance is due, after `travel` cells of the fastest point in `steps` steps."""
+    return travel >= RESTORE_AFTER or (steps >= RESTORE_EVERY and travel >= 0.1 * RESTORE_AFTER)
 
 
 @njit(cache=True)
@@ -136,21 +144,6 @@ def advect(phi, u_node, w_node, dt, dx, dz):
             for k in range(nz):
                 phi[i, k] = keep * old[i, k] + (1.0 - keep) * (phi[i, k] + dt * rate[i, k])
     close_bed(phi)
-
-
-@njit(cache=True)
-def distance_error(phi, dx, dz):
-    """Largest | |grad phi| - 1 | over the nodes within 1.5 cells of the surface (central differences)."""
-    nx, nz = phi.shape
-    worst = 0.0
-    near = 1.5 * max(dx, dz)
-    for i in range(1, nx - 1):
-        for k in range(1, nz - 1):
-            if abs(phi[i, k]) < near:
-                gx = (phi[i + 1, k] - phi[i - 1, k]) / (2.0 * dx)
-                gz = (phi[i, k + 1] - phi[i, k - 1]) / (2.0 * dz)
-                worst = max(worst, abs(math.sqrt(gx * gx + gz * gz) - 1.0))
-    return worst
 
 
 @njit(cache=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from fvcollapse.case import Case
 from fvcollapse.errors import NumericalError
-from fvcollapse.simulation import DISTANCE_TOLERANCE, REINITIALISE_EVERY, Simulation
+from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.initial import HALO, initial_grid, initial_state
@@ -148,14 +148,15 @@ def transport(surface, velocity, duration, cells, courant=0.5):
     fastest = np.hypot(*velocity(x, z, 0.0)).max()
     count = math.ceil(duration * fastest / (courant * h))
     dt = duration / count
-    since = 0
+    travel, since = 0.0, 0
     for step in range(count):
         u, w = velocity(x, z, (step + 0.5) * dt)
         level_set.advect(phi, u + 0.0 * x, w + 0.0 * x, dt, h, h)
+        travel += np.hypot(u, w).max() * dt / h
         since += 1
-        if since >= REINITIALISE_EVERY or level_set.distance_error(phi, h, h) > DISTANCE_TOLERANCE:
-            level_set.reinitialise(phi, 12, h, h)
-            since = 0
+        if level_set.needs_restoring(travel, since):
+            level_set.reinitialise(phi, level_set.SWEEPS, h, h)
+            travel, since = 0.0, 0
     return phi
 
 

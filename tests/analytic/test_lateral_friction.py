@@ -104,7 +104,7 @@ def test_column_behind_the_gate_stays_at_rest(scheme):
 def uniform_flow(direction, nx=8, nz=6):
     """A full domain moving at SPEED in `direction` (rad) under 1000 Pa."""
     geometry = allocate_geometry(nx, nz)
-    fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, np.full((nx + 1, nz + 1), -1.0), -1, nz)
+    fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, np.full((nx + 1, nz + 1), -1.0), geometry.aperture)
     fill_faces(geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z)
     number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture, False, 0, nx)
     u = np.full((nx + 1, nz), SPEED * math.cos(direction))
