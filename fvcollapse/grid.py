@@ -1,9 +1,11 @@
 """Where the unknowns live: a uniform Cartesian staggered (MAC) grid in the channel frame.
 
-x runs along the bed (index i, downslope), z normal to it (index k). Pressure and solid quantities sit at the cell
-centres [i, k], u on the x-faces, w on the z-faces, the level set on the nodes (cell corners). x = 0 is the back
-wall and z = 0 the bed; both coincide with grid lines, and so does the gate.
+x runs along the bed (index i, downslope), z normal to it (index k). Pressure and solid quantities
+sit at the cell centres [i, k], u on the x-faces, w on the z-faces, the level set on the nodes (cell
+corners). x = 0 is the back wall and z = 0 the bed; both coincide with grid lines, and so does the
+gate.
 """
+
 from typing import NamedTuple
 
 import numpy as np

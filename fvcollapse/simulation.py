@@ -1,9 +1,10 @@
 """One collapse: the state, and the step that advances it. No files; failures are named.
 
-Order of a step: surface, momentum advection, gate, then gravity, pressure, viscosity and every friction together in
-one implicit solve, so that a static state stays static for any time step; at last the velocity is continued beyond
-the surface for the next step.
+Order of a step: surface, momentum advection, gate, then gravity, pressure, viscosity and every
+friction together in one implicit solve, so that a static state stays static for any time step; at
+last the velocity is continued beyond the surface for the next step.
 """
+
 import math
 from typing import NamedTuple
 
@@ -13,16 +14,22 @@ from .case import GRAVITY
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
-from .step import coupled, level_set, projection
+from .step import coupled, level_set, projection, quantities
 from .step.banded import lapack_addresses
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
-from .step.geometry import (allocate_geometry, fill_cells, fill_faces, fill_walls, number_unknowns, repeat_columns,
-                            wetted_edge)
+from .step.geometry import (
+    allocate_geometry,
+    fill_cells,
+    fill_faces,
+    fill_walls,
+    number_unknowns,
+    repeat_columns,
+    wetted_edge,
+)
 from .step.initial import HALO, MARGIN, initial_grid, initial_state
 from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
-from .step import quantities
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
 
@@ -53,7 +60,8 @@ class Simulation:
     ----------
     case : Case
     state : State, optional
-        Where to continue; without it the column at rest, in static equilibrium behind the closed gate.
+        Where to continue; without it the column at rest, in static equilibrium behind the closed
+        gate.
     """
 
     def __init__(self, case, state=None):
@@ -89,8 +97,9 @@ class Simulation:
 
     def energies(self):
         """Kinetic and potential energy, J/m; see `fvcollapse.step.quantities.energies`."""
-        return quantities.energies(self.state, self.geometry, self.case.rheology.density_bulk, self.gravity,
-                                   *self.spacing)
+        return quantities.energies(
+            self.state, self.geometry, self.case.rheology.density_bulk, self.gravity, *self.spacing
+        )
 
     # ---------------------------------------------------------------- one step
 
@@ -104,8 +113,8 @@ class Simulation:
         Raises
         ------
         NumericalError
-            If the solve fails or stays above the error limit after five halvings of the step; the state is then the
-            last good one.
+            If the solve fails or stays above the error limit after five halvings of the step; the
+            state is then the last good one.
         """
         self._make_room()
         start = self.state.copy()
@@ -117,27 +126,52 @@ class Simulation:
             dt *= 0.5
         else:
             self.state = start
-            raise NumericalError(f"the nonlinear sweeps still change the velocity by {outcome.change:.2g} (limit "
-                                 f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step", "in the momentum solve",
-                                 start.time)
+            raise NumericalError(
+                f"the nonlinear sweeps still change the velocity by {outcome.change:.2g} (limit "
+                f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step",
+                "in the momentum solve",
+                start.time,
+            )
         if self.case.numerics.method == "coupled" and not outcome.residual <= RESIDUAL_TOLERANCE:
             self.state = start
-            raise NumericalError(f"the linear solve leaves {outcome.residual:.2g} of the weight (limit "
-                                 f"{RESIDUAL_TOLERANCE})", "in the momentum solve", start.time)
+            raise NumericalError(
+                f"the linear solve leaves {outcome.residual:.2g} of the weight (limit "
+                f"{RESIDUAL_TOLERANCE})",
+                "in the momentum solve",
+                start.time,
+            )
         state = self.state
         state.time = time_limit if abs(start.time + dt - time_limit) < 1e-12 else start.time + dt
         state.step = start.step + 1
         state.dt = dt
-        return StepRecord(state.time, dt, outcome.sweeps, outcome.sweeps, outcome.change, outcome.divergence,
-                          outcome.change > self.case.numerics.tolerance, correction)
+        return StepRecord(
+            state.time,
+            dt,
+            outcome.sweeps,
+            outcome.sweeps,
+            outcome.change,
+            outcome.divergence,
+            outcome.change > self.case.numerics.tolerance,
+            correction,
+        )
 
     def _try_step(self, start, dt):
         self.state = state = start.copy()
         dx, dz = self.spacing
         u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
         self._repeat(state.level_set, state.u, state.w)
-        advect_momentum(u_star, w_star, state.u, state.w, state.bed_slip, state.level_set, 3.0 * max(dx, dz), dt,
-                        dx, dz)
+        advect_momentum(
+            u_star,
+            w_star,
+            state.u,
+            state.w,
+            state.bed_slip,
+            state.level_set,
+            3.0 * max(dx, dz),
+            dt,
+            dx,
+            dz,
+        )
         correction = self._move_surface(dt)
         self._place(state.time + dt)
         outcome = self._solve(u_star, w_star, dt)
@@ -149,9 +183,15 @@ class Simulation:
         h = min(dx, dz)
         step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
         moving = self.gate_is_moving()
-        fastest = max(np.abs(self.state.u).max(), np.abs(self.state.w).max())  # beyond the surface too
-        dt = min(step_max, limit_advection(fastest, case.time.cfl, h), limit_surface_wave(GRAVITY, h),
-                 limit_gate(case.gate.speed, moving, dz))
+        fastest = max(
+            np.abs(self.state.u).max(), np.abs(self.state.w).max()
+        )  # beyond the surface too
+        dt = min(
+            step_max,
+            limit_advection(fastest, case.time.cfl, h),
+            limit_surface_wave(GRAVITY, h),
+            limit_gate(case.gate.speed, moving, dz),
+        )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
     def gate_is_moving(self):
@@ -172,8 +212,16 @@ class Simulation:
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
         u_surface, w_surface = np.empty_like(u_node), np.empty_like(w_node)
-        level_set.carry_from_surface(u_surface, w_surface, u_node, w_node, state.level_set,
-                                     level_set.BAND * max(dx, dz), dx, dz)
+        level_set.carry_from_surface(
+            u_surface,
+            w_surface,
+            u_node,
+            w_node,
+            state.level_set,
+            level_set.BAND * max(dx, dz),
+            dx,
+            dz,
+        )
         level_set.advect(state.level_set, u_surface, w_surface, dt, dx, dz)
         speed = np.hypot(u_node, w_node)
         fastest = speed.max()
@@ -187,7 +235,11 @@ class Simulation:
             return 0.0
         self._book_outflow(u_node, dt)
         target = (state.volume_0 - state.volume_outflow) / (dx * dz)
-        added = level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz)) * dx * dz
+        added = (
+            level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz))
+            * dx
+            * dz
+        )
         state.volume_correction += abs(added)
         return added
 
@@ -195,8 +247,10 @@ class Simulation:
         """Volume that crosses an open end during the step."""
         if self.case.boundary.right_end == "open":
             phi, dz = self.state.level_set[-1], self.spacing[1]
-            through = sum(wetted_edge(phi[k], phi[k + 1]) * 0.5 * (u_node[-1, k] + u_node[-1, k + 1])
-                          for k in range(phi.size - 1))
+            through = sum(
+                wetted_edge(phi[k], phi[k + 1]) * 0.5 * (u_node[-1, k] + u_node[-1, k + 1])
+                for k in range(phi.size - 1)
+            )
             self.state.volume_outflow += max(through, 0.0) * dz * dt
 
     def _place(self, time, closed=False):
@@ -204,54 +258,126 @@ class Simulation:
         geometry, gate = self.geometry, self.case.gate
         height = 0.0 if closed else gate_height(time, gate.speed, gate.time_constant)
         open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
-        fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, self.state.level_set, geometry.aperture)
-        fill_faces(geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z)
+        fill_cells(
+            geometry.filled,
+            geometry.lever_x,
+            geometry.lever_z,
+            self.state.level_set,
+            geometry.aperture,
+        )
+        fill_faces(
+            geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
+        )
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
-        self.unknowns = number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture,
-                                        self.case.boundary.right_end == "open", geometry.first, geometry.last)
+        self.unknowns = number_unknowns(
+            geometry.index_u,
+            geometry.index_w,
+            geometry.filled,
+            geometry.aperture,
+            self.case.boundary.right_end == "open",
+            geometry.first,
+            geometry.last,
+        )
 
     def _solve(self, u_star, w_star, dt):
         state, walls = self.state, self.case.effects.lateral_friction
         balance = self._balance(dt)
         if balance.wall_strength > 0.0 and walls.scheme == "split":
-            u_star, w_star = brake_before_solve(u_star, w_star, state.pressure_filled, self.work, self.geometry,
-                                                balance, coupled.MASS_FLOOR, *self.spacing)
+            u_star, w_star = brake_before_solve(
+                u_star,
+                w_star,
+                state.pressure_filled,
+                self.work,
+                self.geometry,
+                balance,
+                coupled.MASS_FLOOR,
+                *self.spacing,
+            )
             balance = balance._replace(wall_strength=0.0)
         if self.case.numerics.method == "projection":
-            return projection.solve(state, self.work, self.unknowns, u_star, w_star, self.geometry, self.material,
-                                    balance, *self.spacing)
+            return projection.solve(
+                state,
+                self.work,
+                self.unknowns,
+                u_star,
+                w_star,
+                self.geometry,
+                self.material,
+                balance,
+                *self.spacing,
+            )
         return self._solve_coupled(u_star, w_star, balance)
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
         n, half_bandwidth = self.unknowns
         band, rhs = np.empty((n, half_bandwidth + 1)), np.empty(n)
-        return coupled.solve(state.u, state.w, state.pressure_filled, state.bed_slip, self.work, band, rhs, u_star,
-                             w_star, self.geometry, self.material, balance, *self.spacing, self.addresses)
+        return coupled.solve(
+            state.u,
+            state.w,
+            state.pressure_filled,
+            state.bed_slip,
+            self.work,
+            band,
+            rhs,
+            u_star,
+            w_star,
+            self.geometry,
+            self.material,
+            balance,
+            *self.spacing,
+            self.addresses,
+        )
 
     def _balance(self, dt, max_sweeps=None, tolerance=None):
         case, numerics = self.case, self.case.numerics
         walls = case.effects.lateral_friction
         strength = 0.0
-        if walls is not None and walls.closure == "sink" and math.isfinite(case.geometry.channel_width):
+        if (
+            walls is not None
+            and walls.closure == "sink"
+            and math.isfinite(case.geometry.channel_width)
+        ):
             strength = 2.0 * walls.mu_wall / case.geometry.channel_width
         scale = math.sqrt(GRAVITY * case.geometry.height_0)
-        rate_start = 0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
+        rate_start = (
+            0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
+        )
         penalty = PENALTY * case.rheology.density_bulk * case.geometry.height_0 * scale
-        return coupled.Balance(dt, case.rheology.density_bulk, *self.gravity, float(case.boundary.mu_bed),
-                               0.0 if self.halo else float(case.boundary.mu_back_wall), strength,
-                               0.1 * numerics.shear_rate_min * case.geometry.height_0, penalty, numerics.unilateral,
-                               tolerance or numerics.tolerance, 0.01 * scale, max_sweeps or numerics.max_sweeps,
-                               rate_start)
+        return coupled.Balance(
+            dt,
+            case.rheology.density_bulk,
+            *self.gravity,
+            float(case.boundary.mu_bed),
+            0.0 if self.halo else float(case.boundary.mu_back_wall),
+            strength,
+            0.1 * numerics.shear_rate_min * case.geometry.height_0,
+            penalty,
+            numerics.unilateral,
+            tolerance or numerics.tolerance,
+            0.01 * scale,
+            max_sweeps or numerics.max_sweeps,
+            rate_start,
+        )
 
     def _continue_velocity(self):
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
-        mark_known(known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1])
+        mark_known(
+            known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1]
+        )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
         self._repeat(state.u, state.w)
-        close_divergence(state.u, state.w, known_u, known_w, self.geometry.filled, SOLENOIDAL_LAYERS, *self.spacing)
+        close_divergence(
+            state.u,
+            state.w,
+            known_u,
+            known_w,
+            self.geometry.filled,
+            SOLENOIDAL_LAYERS,
+            *self.spacing,
+        )
 
     def _repeat(self, *fields):
         """Fill the halo of a periodic stretch."""
@@ -267,12 +393,15 @@ class Simulation:
         wet = filled > 0.0
         extra_x = extra_z = 0
         right_end = self.case.boundary.right_end
-        if right_end == "grow" and wet[nx - MARGIN:].any():
+        if right_end == "grow" and wet[nx - MARGIN :].any():
             extra_x = GROWTH
         if right_end == "error" and wet[nx - 1].any():
-            raise NumericalError("the mass has reached the end of the domain; lengthen boundary.domain_length",
-                                 f"at x = {nx * self.spacing[0]:.3g} m", self.state.time)
-        if wet[:, nz - 4:].any():
+            raise NumericalError(
+                "the mass has reached the end of the domain; lengthen boundary.domain_length",
+                f"at x = {nx * self.spacing[0]:.3g} m",
+                self.state.time,
+            )
+        if wet[:, nz - 4 :].any():
             extra_z = MARGIN
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
@@ -283,9 +412,13 @@ class Simulation:
         state = self.state
         self._place(0.0, closed=True)
         state.volume_0 = level_set.volume(state.level_set) * self.spacing[0] * self.spacing[1]
-        # Both methods start from the coupled solution: exact at once, where the projection would need many steps.
-        self._solve_coupled(np.zeros_like(state.u), np.zeros_like(state.w),
-                            self._balance(1.0, max_sweeps=100, tolerance=1e-6))
+        # Both methods start from the coupled solution: exact at once, where the projection would
+        # need many steps.
+        self._solve_coupled(
+            np.zeros_like(state.u),
+            np.zeros_like(state.w),
+            self._balance(1.0, max_sweeps=100, tolerance=1e-6),
+        )
         state.u[:] = 0.0
         state.w[:] = 0.0
         state.bed_slip[:] = 0.0

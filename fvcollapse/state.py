@@ -1,4 +1,5 @@
 """What is known at one instant, and the tables from which output, checkpoint and growth of the domain follow."""
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,10 @@ SCALARS = {
     "volume_0": ("m2", "volume per unit width at t = 0"),
     "volume_correction": ("m2", "running sum of the absolute volume corrections"),
     "volume_outflow": ("m2", "volume that has left through an open end"),
-    "travel": ("1", "cells the fastest point has moved since the signed distance was last restored"),
+    "travel": (
+        "1",
+        "cells the fastest point has moved since the signed distance was last restored",
+    ),
     "travel_steps": ("1", "steps since then"),
 }
 
@@ -49,8 +53,13 @@ class State:
 
 def location_shape(location, nx, nz):
     """Array shape of a field at `location` on an nx by nz grid."""
-    return {"node": (nx + 1, nz + 1), "xface": (nx + 1, nz), "zface": (nx, nz + 1), "centre": (nx, nz),
-            "xnode": (nx + 1,)}[location]
+    return {
+        "node": (nx + 1, nz + 1),
+        "xface": (nx + 1, nz),
+        "zface": (nx, nz + 1),
+        "centre": (nx, nz),
+        "xnode": (nx + 1,),
+    }[location]
 
 
 def grow(state, extra_x, extra_z):
@@ -66,6 +75,8 @@ def grow(state, extra_x, extra_z):
         setattr(state, name, new)
     phi = state.level_set
     for i in range(nx + 1, nx + extra_x + 1):
-        phi[i, : nz + 1] = phi[i - 1, : nz + 1] + np.maximum(phi[i - 1, : nz + 1] - phi[i - 2, : nz + 1], 0.0)
+        phi[i, : nz + 1] = phi[i - 1, : nz + 1] + np.maximum(
+            phi[i - 1, : nz + 1] - phi[i - 2, : nz + 1], 0.0
+        )
     for k in range(nz + 1, nz + extra_z + 1):
         phi[:, k] = phi[:, k - 1] + np.maximum(phi[:, k - 1] - phi[:, k - 2], 0.0)

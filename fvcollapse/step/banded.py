@@ -1,9 +1,8 @@
 """LAPACK's banded Cholesky factorisation, callable from compiled code.
 
-scipy ships the addresses of its LAPACK routines; they are handed to the kernels as integers, because a kernel that
-holds a function pointer as a constant cannot be cached on disk.
+scipy ships the addresses of its LAPACK routines; they are handed to the kernels as integers,
+because a kernel that holds a function pointer as a constant cannot be cached on disk.
 """
-import ctypes
 
 import numpy as np
 from llvmlite import ir
@@ -15,7 +14,10 @@ from numba.extending import get_cython_function_address, intrinsic
 def lapack_addresses():
     """Addresses of dpbtrf (factorise) and dpbtrs (solve) as an int64 array of two."""
     names = ("dpbtrf", "dpbtrs")
-    return np.array([get_cython_function_address("scipy.linalg.cython_lapack", name) for name in names], np.int64)
+    return np.array(
+        [get_cython_function_address("scipy.linalg.cython_lapack", name) for name in names],
+        np.int64,
+    )
 
 
 def _call_by_address(n_arguments):
@@ -30,7 +32,9 @@ def _call_by_address(n_arguments):
             pointer = ir.IntType(8).as_pointer()
             function_type = ir.FunctionType(ir.VoidType(), [pointer] * n_arguments)
             function = builder.inttoptr(address_value, function_type.as_pointer())
-            values = [builder.inttoptr(v, pointer) for v in cgutils.unpack_tuple(builder, pointer_tuple)]
+            values = [
+                builder.inttoptr(v, pointer) for v in cgutils.unpack_tuple(builder, pointer_tuple)
+            ]
             builder.call(function, values)
             return context.get_dummy_value()
 
@@ -45,7 +49,8 @@ _call_10 = _call_by_address(10)
 
 @njit(cache=True)
 def factorise(band, integers, addresses):
-    """Cholesky factor of the band in place; return LAPACK's info (0 = done, j > 0 = pivot j not positive).
+    """Cholesky factor of the band in place; return LAPACK's info (0 = done, j > 0 = pivot j not
+    positive).
 
     Parameters
     ----------
@@ -62,7 +67,9 @@ def factorise(band, integers, addresses):
     integers[2] = width - 1
     integers[3] = width
     base = integers.ctypes.data
-    _call_7(addresses[0], (base, base + 4, base + 8, band.ctypes.data, base + 12, base + 16, base + 16))
+    _call_7(
+        addresses[0], (base, base + 4, base + 8, band.ctypes.data, base + 12, base + 16, base + 16)
+    )
     return integers[4]
 
 
@@ -76,5 +83,18 @@ def solve_factorised(rhs, band, integers, addresses):
     integers[3] = width
     integers[5] = 1
     base = integers.ctypes.data
-    _call_10(addresses[1], (base, base + 4, base + 8, base + 20, band.ctypes.data, base + 12, rhs.ctypes.data,
-                            base + 4, base + 16, base + 16))
+    _call_10(
+        addresses[1],
+        (
+            base,
+            base + 4,
+            base + 8,
+            base + 20,
+            band.ctypes.data,
+            base + 12,
+            rhs.ctypes.data,
+            base + 4,
+            base + 16,
+            base + 16,
+        ),
+    )

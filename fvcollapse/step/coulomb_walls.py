@@ -1,11 +1,14 @@
 """Coulomb friction with stick and slip on the bed and on the back wall (equations 12-14).
 
-The half cell between the wall and the first velocity u_0 is solved exactly: if the traction tau of the no-slip state,
-shear rate 2|u_0|/h, stays below mu_f times the normal reaction N, the grains stick and tau acts; else they slip and
-the traction is mu_f N. N is the discrete reaction of the wall itself: pressure at the first centre, the weight carried
-by the half cell below it, and the viscous normal stress. It is handed to the faces by the same lever rule as the mass,
-so a plug of any thickness, down to a fraction of a cell, feels exactly mu_f N. mu = inf is no slip, mu = 0 free slip.
+The half cell between the wall and the first velocity u_0 is solved exactly: if the traction tau of
+the no-slip state, shear rate 2|u_0|/h, stays below mu_f times the normal reaction N, the grains
+stick and tau acts; else they slip and the traction is mu_f N. N is the discrete reaction of the
+wall itself: pressure at the first centre, the weight carried by the half cell below it, and the
+viscous normal stress. It is handed to the faces by the same lever rule as the mass, so a plug of
+any thickness, down to a fraction of a cell, feels exactly mu_f N. mu = inf is no slip, mu = 0 free
+slip.
 """
+
 import math
 
 from numba import njit
@@ -59,7 +62,7 @@ def wall_traction(speed, half_width, reaction, coverage, mu_wall, material):
 
 @njit(cache=True)
 def friction_coefficient(speed, half_width, reaction, coverage, mu_wall, material):
-    """k = traction / |u_0| (Pa s/m) and slip speed; at rest the no-slip limit, which then is exact."""
+    """Friction coefficient traction / |u_0| (Pa s/m) and slip speed; at rest the no-slip limit, which then is exact."""
     if coverage <= 0.0 or mu_wall == 0.0:
         return 0.0, speed
     if speed < 1e-300:
@@ -70,8 +73,20 @@ def friction_coefficient(speed, half_width, reaction, coverage, mu_wall, materia
 
 
 @njit(cache=True)
-def bed_friction(k_bed, bed_slip, u, pressure_filled, weight_centre, e_centre, geometry, material, gz, density, mu_bed,
-                 dz):
+def bed_friction(
+    k_bed,
+    bed_slip,
+    u,
+    pressure_filled,
+    weight_centre,
+    e_centre,
+    geometry,
+    material,
+    gz,
+    density,
+    mu_bed,
+    dz,
+):
     """Friction coefficients (nx + 1,) of the bed faces in Pa s/m, and their slip velocities in m/s."""
     nx = pressure_filled.shape[0]
     k_bed[:] = 0.0
@@ -86,16 +101,30 @@ def bed_friction(k_bed, bed_slip, u, pressure_filled, weight_centre, e_centre, g
                 share = geometry.lever_x[cell, 0] / v
                 if cell == i:
                     share = 1.0 - share
-                reaction += share * bed_reaction(pressure_filled, weight_centre, e_centre, geometry, cell, gz, density,
-                                                 dz)
+                reaction += share * bed_reaction(
+                    pressure_filled, weight_centre, e_centre, geometry, cell, gz, density, dz
+                )
                 coverage += share * geometry.bed_cover[cell]
-        k_bed[i], slip = friction_coefficient(abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed, material)
+        k_bed[i], slip = friction_coefficient(
+            abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed, material
+        )
         bed_slip[i] = math.copysign(slip, u[i, 0])
 
 
 @njit(cache=True)
-def back_wall_friction(k_wall, w, pressure_filled, weight_centre, e_centre, geometry, material, gx, density, mu_wall,
-                       dx):
+def back_wall_friction(
+    k_wall,
+    w,
+    pressure_filled,
+    weight_centre,
+    e_centre,
+    geometry,
+    material,
+    gx,
+    density,
+    mu_wall,
+    dx,
+):
     """Friction coefficients (nz + 1,) of the z-faces beside the back wall, Pa s/m."""
     nz = pressure_filled.shape[1]
     k_wall[:] = 0.0
@@ -109,7 +138,10 @@ def back_wall_friction(k_wall, w, pressure_filled, weight_centre, e_centre, geom
                 share = geometry.lever_z[0, cell] / v
                 if cell == k:
                     share = 1.0 - share
-                reaction += share * back_wall_reaction(pressure_filled, weight_centre, e_centre, geometry, cell, gx,
-                                                       density, dx)
+                reaction += share * back_wall_reaction(
+                    pressure_filled, weight_centre, e_centre, geometry, cell, gx, density, dx
+                )
                 coverage += share * geometry.wall_cover[cell]
-        k_wall[k], _ = friction_coefficient(abs(w[0, k]), 0.5 * dx, reaction, coverage, mu_wall, material)
+        k_wall[k], _ = friction_coefficient(
+            abs(w[0, k]), 0.5 * dx, reaction, coverage, mu_wall, material
+        )

@@ -1,13 +1,16 @@
 """Velocity and pressure of one step together: nonlinear sweeps over one banded Cholesky solve each.
 
-    rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,      0 <= p  perpendicular to  div u >= 0
+    rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,      0 <= p  perpendicular to  div u
+    >= 0
 
-Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves
-(A + r B^T B) u = f + B^T P for all active faces at once, then updates the multiplier P -= r B u (augmented Lagrangian,
-B = div). With a direct factorisation r may be far above any viscosity, so P is nearly exact after one sweep and no
-splitting error exists: a static state is static for any time step. A cell whose P turns negative is released (P = 0,
-free to open) and taken up again with P = 0 when it is being compressed; in the bilateral form every wet cell stays.
+Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves (A + r
+B^T B) u = f + B^T P for all active faces at once, then updates the multiplier P -= r B u (augmented
+Lagrangian, B = div). With a direct factorisation r may be far above any viscosity, so P is nearly
+exact after one sweep and no splitting error exists: a static state is static for any time step. A
+cell whose P turns negative is released (P = 0, free to open) and taken up again with P = 0 when it
+is being compressed; in the bilateral form every wet cell stays.
 """
+
 import math
 from typing import NamedTuple
 
@@ -74,26 +77,76 @@ class Outcome(NamedTuple):
 
 def allocate_work(nx, nz):
     """Scratch arrays for an nx by nz grid."""
-    return Work(np.zeros((nx, nz)), np.zeros((nx + 1, nz + 1)), np.zeros((nx, nz)), np.zeros((nx + 1, nz + 1)),
-                np.zeros(nx + 1), np.zeros(nz + 1), np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)),
-                np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)), np.zeros((nx, nz), np.bool_), np.zeros((nx, nz)),
-                np.zeros(8, np.int32))
+    return Work(
+        np.zeros((nx, nz)),
+        np.zeros((nx + 1, nz + 1)),
+        np.zeros((nx, nz)),
+        np.zeros((nx + 1, nz + 1)),
+        np.zeros(nx + 1),
+        np.zeros(nz + 1),
+        np.zeros((nx + 1, nz)),
+        np.zeros((nx, nz + 1)),
+        np.zeros((nx + 1, nz)),
+        np.zeros((nx, nz + 1)),
+        np.zeros((nx, nz), np.bool_),
+        np.zeros((nx, nz)),
+        np.zeros(8, np.int32),
+    )
 
 
 @njit(cache=True)
 def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
     strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-    viscosity_weights(work.weight_centre, work.weight_node, work.e_centre, work.g_node, pressure_filled, geometry,
-                      material)
-    bed_friction(work.k_bed, bed_slip, u, pressure_filled, work.weight_centre, work.e_centre, geometry, material,
-                 balance.gz, balance.density, balance.mu_bed, dz)
-    back_wall_friction(work.k_wall, w, pressure_filled, work.weight_centre, work.e_centre, geometry, material,
-                       balance.gx, balance.density, balance.mu_back_wall, dx)
+    viscosity_weights(
+        work.weight_centre,
+        work.weight_node,
+        work.e_centre,
+        work.g_node,
+        pressure_filled,
+        geometry,
+        material,
+    )
+    bed_friction(
+        work.k_bed,
+        bed_slip,
+        u,
+        pressure_filled,
+        work.weight_centre,
+        work.e_centre,
+        geometry,
+        material,
+        balance.gz,
+        balance.density,
+        balance.mu_bed,
+        dz,
+    )
+    back_wall_friction(
+        work.k_wall,
+        w,
+        pressure_filled,
+        work.weight_centre,
+        work.e_centre,
+        geometry,
+        material,
+        balance.gx,
+        balance.density,
+        balance.mu_back_wall,
+        dx,
+    )
     if balance.wall_strength > 0.0:
         face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
-        sink_coefficients(work.sink_x, work.sink_z, u, w, work.pressure_x, work.pressure_z, geometry,
-                          balance.wall_strength, balance.slip_min)
+        sink_coefficients(
+            work.sink_x,
+            work.sink_z,
+            u,
+            w,
+            work.pressure_x,
+            work.pressure_z,
+            geometry,
+            balance.wall_strength,
+            balance.slip_min,
+        )
     else:
         work.sink_x[:] = 0.0
         work.sink_z[:] = 0.0
@@ -134,7 +187,7 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
 
 @njit(cache=True)
 def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
-    """rhs += B^T P: minus the discrete pressure gradient."""
+    """Rhs += B^T P: minus the discrete pressure gradient."""
     nz = pressure_filled.shape[1]
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
@@ -188,12 +241,17 @@ def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, 
             wet = geometry.filled[i, k] > 1.0e-8
             if not wet:
                 pressure_filled[i, k] = 0.0
-            constrained[i, k] = wet and (not unilateral or pressure_filled[i, k] > 0.0
-                                         or divergence(u, w, geometry.aperture, i, k, dx, dz) <= 0.0)
+            constrained[i, k] = wet and (
+                not unilateral
+                or pressure_filled[i, k] > 0.0
+                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= 0.0
+            )
 
 
 @njit(cache=True)
-def update_multiplier(pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz):
+def update_multiplier(
+    pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz
+):
     """P -= r div u where constrained, then release and take up cells; return (largest |div u|, changed cells)."""
     nx, nz = constrained.shape
     largest = 0.0
@@ -229,15 +287,24 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
     residual[:] = 0.0
     for i in range(geometry.first, geometry.last):
         for k in range(nz):
-            e = 4.0 * work.weight_centre[i, k] * 0.5 * (
-                (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) / dx - (w[i, k + 1] - w[i, k]) / dz)
+            e = (
+                4.0
+                * work.weight_centre[i, k]
+                * 0.5
+                * (
+                    (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) / dx
+                    - (w[i, k + 1] - w[i, k]) / dz
+                )
+            )
             p = work.multiplier[i, k]
             _add(residual, iu[i, k], (-0.5 * e + p) * aperture[i, k] / dx)
             _add(residual, iu[i + 1, k], (0.5 * e - p) * aperture[i + 1, k] / dx)
             _add(residual, iw[i, k], (0.5 * e + p) / dz)
             _add(residual, iw[i, k + 1], (-0.5 * e - p) / dz)
             if work.weight_node[i, k] > 0.0:
-                g = work.weight_node[i, k] * ((u[i, k] - u[i, k - 1]) / dz + (w[i, k] - w[i - 1, k]) / dx)
+                g = work.weight_node[i, k] * (
+                    (u[i, k] - u[i, k - 1]) / dz + (w[i, k] - w[i - 1, k]) / dx
+                )
                 _add(residual, iu[i, k - 1], -g / dz)
                 _add(residual, iu[i, k], g / dz)
                 _add(residual, iw[i - 1, k], -g / dx)
@@ -248,15 +315,21 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
             if iu[i, k] >= 0:
                 mass = geometry.mass_x[i, k]
                 friction = work.sink_x[i, k] + (work.k_bed[i] / dz if k == 0 else 0.0)
-                residual[iu[i, k]] += (inertia * max(mass, MASS_FLOOR) * (u[i, k] - u_star[i, k])
-                                       + friction * u[i, k] - balance.density * balance.gx * mass)
+                residual[iu[i, k]] += (
+                    inertia * max(mass, MASS_FLOOR) * (u[i, k] - u_star[i, k])
+                    + friction * u[i, k]
+                    - balance.density * balance.gx * mass
+                )
     for i in range(geometry.first, geometry.last):
         for k in range(nz + 1):
             if iw[i, k] >= 0:
                 mass = geometry.mass_z[i, k]
                 friction = work.sink_z[i, k] + (work.k_wall[k] / dx if i == 0 else 0.0)
-                residual[iw[i, k]] += (inertia * max(mass, MASS_FLOOR) * (w[i, k] - w_star[i, k])
-                                       + friction * w[i, k] - balance.density * balance.gz * mass)
+                residual[iw[i, k]] += (
+                    inertia * max(mass, MASS_FLOOR) * (w[i, k] - w_star[i, k])
+                    + friction * w[i, k]
+                    - balance.density * balance.gz * mass
+                )
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0
     for n in range(residual.size):
@@ -271,8 +344,23 @@ def _add(vector, n, value):
 
 
 @njit(cache=True)
-def solve(u, w, pressure_filled, bed_slip, work, band, rhs, u_star, w_star, geometry, material, balance, dx, dz,
-          addresses):
+def solve(
+    u,
+    w,
+    pressure_filled,
+    bed_slip,
+    work,
+    band,
+    rhs,
+    u_star,
+    w_star,
+    geometry,
+    material,
+    balance,
+    dx,
+    dz,
+    addresses,
+):
     """Advance (u, w, P) from the predictor (u*, w*) by nonlinear sweeps; return an `Outcome`.
 
     Parameters
@@ -305,8 +393,18 @@ def solve(u, w, pressure_filled, bed_slip, work, band, rhs, u_star, w_star, geom
             break
         solve_factorised(rhs, band, work.integers, addresses)
         change, largest = take_solution(u, w, rhs, geometry)
-        div_max, changed = update_multiplier(pressure_filled, work.multiplier, work.constrained, u, w, geometry,
-                                             balance, sweep < balance.max_sweeps // 2, dx, dz)
+        div_max, changed = update_multiplier(
+            pressure_filled,
+            work.multiplier,
+            work.constrained,
+            u,
+            w,
+            geometry,
+            balance,
+            sweep < balance.max_sweeps // 2,
+            dx,
+            dz,
+        )
         sweeps = sweep + 1
         change /= max(largest, balance.speed_scale)
         if not change < 1.0e6:

@@ -1,4 +1,5 @@
 """Velocity beyond the surface: continued outwards layer by layer, for the advection of surface and momentum."""
+
 import numpy as np
 from numba import njit
 
@@ -7,15 +8,18 @@ from .stencils import minmod
 LAYERS = 7  # the level-set band plus the reach of the advection stencils
 TRUSTED_U = 0.05  # part of a full face mass below which u is continued from behind
 TRUSTED_W = 1.0e-4  # the same for w, which div u = 0 determines well even in a nearly empty cell
-SOLENOIDAL_LAYERS = 2  # empty cells beyond the surface in which the continued velocity is made divergence-free
+SOLENOIDAL_LAYERS = (
+    2  # empty cells beyond the surface in which the continued velocity is made divergence-free
+)
 
 
 @njit(cache=True)
 def smooth_continuation(field, known, i, k):
-    """Continuation along the grid lines on which three known faces adjoin, averaged over these lines.
+    """Continuation along the grid lines on which three known faces adjoin, averaged over these
+    lines.
 
-    The slope is continued with its own trend, but never steepened or reversed: shear that fades towards the surface
-    keeps fading.
+    The slope is continued with its own trend, but never steepened or reversed: shear that fades
+    towards the surface keeps fading.
 
     Returns
     -------
@@ -41,10 +45,11 @@ def smooth_continuation(field, known, i, k):
 
 @njit(cache=True)
 def extrapolate(field, known, layers):
-    """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the neighbours' mean beyond.
+    """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the
+    neighbours' mean beyond.
 
-    The first layer moves the surface. Taking it constant would make a sheared, sloping surface systematically too
-    slow and lose volume in proportion to the cell size.
+    The first layer moves the surface. Taking it constant would make a sheared, sloping surface
+    systematically too slow and lose volume in proportion to the cell size.
 
     Parameters
     ----------
@@ -85,10 +90,11 @@ def extrapolate(field, known, layers):
 
 @njit(cache=True)
 def mark_known(known_u, known_w, geometry, film_thickness, dz):
-    """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
+    """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with
+    enough grains.
 
-    A film thinner than `film_thickness` (m) over two neighbouring x-faces is no continuum; it is carried along by
-    the flow behind it instead of being stretched further.
+    A film thinner than `film_thickness` (m) over two neighbouring x-faces is no continuum; it is
+    carried along by the flow behind it instead of being stretched further.
     """
     nx, nz = geometry.filled.shape
     film_here = False
@@ -108,9 +114,11 @@ def mark_known(known_u, known_w, geometry, film_thickness, dz):
 
 @njit(cache=True)
 def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
-    """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by layer.
+    """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by
+    layer.
 
-    The outer faces of each empty cell (known later than the others) share the correction that closes its divergence.
+    The outer faces of each empty cell (known later than the others) share the correction that
+    closes its divergence.
     """
     nx, nz = filled.shape
     add_u, add_w = np.zeros_like(u), np.zeros_like(w)
@@ -121,8 +129,12 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
             for k in range(nz):
                 if filled[i, k] > 1.0e-8:
                     continue
-                top = max(max(known_u[i, k], known_u[i + 1, k]), max(known_w[i, k], known_w[i, k + 1]))
-                low = min(min(known_u[i, k], known_u[i + 1, k]), min(known_w[i, k], known_w[i, k + 1]))
+                top = max(
+                    max(known_u[i, k], known_u[i + 1, k]), max(known_w[i, k], known_w[i, k + 1])
+                )
+                low = min(
+                    min(known_u[i, k], known_u[i + 1, k]), min(known_w[i, k], known_w[i, k + 1])
+                )
                 if top != layer or low == 0:
                     continue
                 left, right = known_u[i, k] == layer, known_u[i + 1, k] == layer

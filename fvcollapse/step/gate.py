@@ -1,9 +1,10 @@
 """The gate at X = length_0: a rigid free-slip wall lifted normal to the bed, closing Z > z_gate(t).
 
-z_gate(t) = v t, or v (t - tau (1 - exp(-t/tau))) for the start-up law v (1 - exp(-t/tau)). The partly uncovered face
-is open by its uncovered fraction, in the divergence as well as in the pressure force: opening it at once would give a
-pressure spike at every cell the gate passes.
+z_gate(t) = v t, or v (t - tau (1 - exp(-t/tau))) for the start-up law v (1 - exp(-t/tau)). The
+partly uncovered face is open by its uncovered fraction, in the divergence as well as in the
+pressure force: opening it at once would give a pressure spike at every cell the gate passes.
 """
+
 import math
 
 import numpy as np

@@ -1,11 +1,13 @@
 """How much of each cell and face the grains fill, from the level set at the nodes.
 
-In every cell the surface is the polygon cut by linear interpolation along the four edges. The mass of a cell is
-split between its two opposite faces by the lever rule (its centroid), so that the face masses carry the exact mass
-and first moment. With the multiplier P = filled fraction * mean pressure, the discrete gradient of P then balances
-gravity exactly for any plane level surface, at any angle to the grid; and sum(P) is the exact volume integral of
-the pressure, which is what wall friction needs.
+In every cell the surface is the polygon cut by linear interpolation along the four edges. The mass
+of a cell is split between its two opposite faces by the lever rule (its centroid), so that the face
+masses carry the exact mass and first moment. With the multiplier P = filled fraction * mean
+pressure, the discrete gradient of P then balances gravity exactly for any plane level surface, at
+any angle to the grid; and sum(P) is the exact volume integral of the pressure, which is what wall
+friction needs.
 """
+
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +19,12 @@ WET = 1.0e-8  # filled fraction below which a cell counts as empty; its weight i
 class Geometry(NamedTuple):
     """Fluid fractions of one step; all dimensionless, as fractions of a full cell.
 
-    filled (nx, nz); lever_x, lever_z (nx, nz): part of the cell's mass carried by its right / top face;
-    mass_x (nx+1, nz), mass_z (nx, nz+1); aperture (nx+1, nz): open part of each x-face (gate);
-    bed_cover (nx,), wall_cover (nz,): wetted part of each cell's stretch of the bed and of the back wall;
-    index_u, index_w: number of the unknown on each face, -1 where there is none;
-    first, last: the columns [first, last) that are solved; all of them, but for the halo of a periodic stretch.
+    filled (nx, nz); lever_x, lever_z (nx, nz): part of the cell's mass carried by its right / top
+    face; mass_x (nx+1, nz), mass_z (nx, nz+1); aperture (nx+1, nz): open part of each x-face
+    (gate); bed_cover (nx,), wall_cover (nz,): wetted part of each cell's stretch of the bed and of
+    the back wall; index_u, index_w: number of the unknown on each face, -1 where there is none;
+    first, last: the columns [first, last) that are solved; all of them, but for the halo of a
+    periodic stretch.
     """
 
     filled: np.ndarray
@@ -41,9 +44,19 @@ class Geometry(NamedTuple):
 def allocate_geometry(nx, nz, halo=0):
     """Empty `Geometry` for an nx by nz grid, of which `halo` columns at each end repeat a periodic stretch."""
     return Geometry(
-        np.zeros((nx, nz)), np.zeros((nx, nz)), np.zeros((nx, nz)), np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)),
-        np.ones((nx + 1, nz)), np.zeros(nx), np.zeros(nz), np.full((nx + 1, nz), -1, np.int64), np.full((nx, nz + 1), -1, np.int64),
-        halo, nx - halo)
+        np.zeros((nx, nz)),
+        np.zeros((nx, nz)),
+        np.zeros((nx, nz)),
+        np.zeros((nx + 1, nz)),
+        np.zeros((nx, nz + 1)),
+        np.ones((nx + 1, nz)),
+        np.zeros(nx),
+        np.zeros(nz),
+        np.full((nx + 1, nz), -1, np.int64),
+        np.full((nx, nz + 1), -1, np.int64),
+        halo,
+        nx - halo,
+    )
 
 
 @njit(cache=True)
@@ -103,9 +116,9 @@ def polygon_moments(phi_00, phi_10, phi_11, phi_01):
 def fill_cells(filled, lever_x, lever_z, level_set, aperture):
     """Filled fraction and lever shares of every cell.
 
-    At a gate the surface on its inner side continues straight through it, as through any wall, so that a column
-    standing against it has no spurious corner there; and beyond a closed gate nothing is filled by the interpolation
-    across it, or a thousandth of a cell would leak through and fall.
+    At a gate the surface on its inner side continues straight through it, as through any wall, so
+    that a column standing against it has no spurious corner there; and beyond a closed gate nothing
+    is filled by the interpolation across it, or a thousandth of a cell would leak through and fall.
     """
     nx, nz = filled.shape
     for i in range(nx):
@@ -161,8 +174,9 @@ def fill_walls(bed_cover, wall_cover, level_set):
 def number_unknowns(index_u, index_w, filled, aperture, open_end, first, last):
     """Number the faces that touch a wet cell, column by column; return (count, half bandwidth).
 
-    A face between a filled and an empty cell is an unknown too: otherwise a free vertical face would be a wall.
-    The columns outside [first, last) repeat a periodic stretch and share its numbers.
+    A face between a filled and an empty cell is an unknown too: otherwise a free vertical face
+    would be a wall. The columns outside [first, last) repeat a periodic stretch and share its
+    numbers.
     """
     nx, nz = filled.shape
     index_u[:] = -1
@@ -201,9 +215,14 @@ def _half_bandwidth(index_u, index_w, first, last):
     width = 0
     for i in range(first, last):
         for k in range(nz):
-            width = max(width, _spread(index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1]))
+            width = max(
+                width, _spread(index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1])
+            )
             if i > 0 and k > 0:
-                width = max(width, _spread(index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k]))
+                width = max(
+                    width,
+                    _spread(index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k]),
+                )
     return width
 
 

@@ -1,9 +1,11 @@
 """Where the model is ill-posed: small disturbances grow without bound as their wavelength shrinks.
 
-For any law tau(p, shear_rate) with n = d ln tau / d ln shear_rate and t = d tau / d p, the equations are ill-posed iff
-C = 4 n (n - 1) + t^2 > 0 and t < 2 (1 - n). For mu(I): n = I mu'/mu and t = mu (1 - n/2), the criterion of
-Barker, Schaeffer, Bohorquez & Gray (2015), J. Fluid Mech. 779, 794-818.
+For any law tau(p, shear_rate) with n = d ln tau / d ln shear_rate and t = d tau / d p, the
+equations are ill-posed iff C = 4 n (n - 1) + t^2 > 0 and t < 2 (1 - n). For mu(I): n = I mu'/mu and
+t = mu (1 - n/2), the criterion of Barker, Schaeffer, Bohorquez & Gray (2015), J. Fluid Mech. 779,
+794-818.
 """
+
 from numba import njit
 from scipy.optimize import brentq
 
@@ -39,4 +41,6 @@ def lower_well_posed_limit(mu_1, mu_2, I_0):
     for low, high in zip(candidates, candidates[1:], strict=False):
         if criterion_mu_I(high, mu_1, mu_2, I_0) <= 0.0:
             return brentq(criterion_mu_I, low, high, args=(mu_1, mu_2, I_0), xtol=1e-12)
-    raise ValueError(f"mu(I) with mu_1 = {mu_1}, mu_2 = {mu_2}, I_0 = {I_0} is ill-posed for every I")
+    raise ValueError(
+        f"mu(I) with mu_1 = {mu_1}, mu_2 = {mu_2}, I_0 = {I_0} is ill-posed for every I"
+    )

@@ -1,4 +1,5 @@
 """The mass before the gate moves: signed distance of the column to its free surface."""
+
 import math
 
 import numpy as np
@@ -24,7 +25,8 @@ def initial_grid(case):
 
 
 def initial_level_set(case, grid):
-    """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the grains.
+    """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the
+    grains.
 
     The back wall and the bed are no surface: the column continues through them.
     """
@@ -37,7 +39,9 @@ def initial_level_set(case, grid):
     beyond = x - geometry.length_0
     slope = math.radians(geometry.slope_angle_deg)
     if geometry.surface == "horizontal":
-        above = (z - geometry.height_0) * math.cos(slope) - (x - 0.5 * geometry.length_0) * math.sin(slope)
+        above = (z - geometry.height_0) * math.cos(slope) - (
+            x - 0.5 * geometry.length_0
+        ) * math.sin(slope)
     else:
         above = z - geometry.height_0
     corner = np.hypot(np.maximum(beyond, 0.0), np.maximum(above, 0.0))
@@ -47,8 +51,13 @@ def initial_level_set(case, grid):
 def initial_state(case, grid):
     """State at rest with the initial level set and no pressure yet."""
     nx, nz = grid.nx, grid.nz
-    return State(initial_level_set(case, grid), np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)), np.zeros((nx, nz)),
-                 np.zeros(nx + 1))
+    return State(
+        initial_level_set(case, grid),
+        np.zeros((nx + 1, nz)),
+        np.zeros((nx, nz + 1)),
+        np.zeros((nx, nz)),
+        np.zeros(nx + 1),
+    )
 
 
 def _extent(case):
@@ -73,7 +82,11 @@ def _polygon_distance(x, z, vertices):
             inside ^= crosses & (x_in < x_a + (z_in - z_a) * (x_b - x_a) / (z_b - z_a))
         if (x_a == 0.0 and x_b == 0.0) or (z_a == 0.0 and z_b == 0.0):
             continue
-        t = ((x - x_a) * (x_b - x_a) + (z - z_a) * (z_b - z_a)) / ((x_b - x_a) ** 2 + (z_b - z_a) ** 2)
+        t = ((x - x_a) * (x_b - x_a) + (z - z_a) * (z_b - z_a)) / (
+            (x_b - x_a) ** 2 + (z_b - z_a) ** 2
+        )
         t = np.clip(t, 0.0, 1.0)
-        distance = np.minimum(distance, np.hypot(x - x_a - t * (x_b - x_a), z - z_a - t * (z_b - z_a)))
+        distance = np.minimum(
+            distance, np.hypot(x - x_a - t * (x_b - x_a), z - z_a - t * (z_b - z_a))
+        )
     return np.where(inside, -distance, distance)

@@ -1,18 +1,23 @@
-"""Friction of the channel's two lateral walls: -(2/w) mu_w [p]+ u/|u| in the momentum balance (equation 19).
+"""Friction of the channel's two lateral walls: -(2/w) mu_w [p]+ u/|u| in the momentum balance
+(equation 19).
 
-Width-averaged Coulomb friction, both velocity components together. By default it enters the implicit solve as a
-diagonal coefficient (2 mu_w / w) [p]+ / sqrt(|u|^2 + slip_min^2), refreshed in every nonlinear sweep; the pressure is
-the exact volume integral of the cells, handed to the faces by the lever rule.
+Width-averaged Coulomb friction, both velocity components together. By default it enters the
+implicit solve as a diagonal coefficient (2 mu_w / w) [p]+ / sqrt(|u|^2 + slip_min^2), refreshed in
+every nonlinear sweep; the pressure is the exact volume integral of the cells, handed to the faces
+by the lever rule.
 
-The split form |u| <- max(0, |u| - dt 2 mu_w [p]+ / (rho w)) is exact for a frozen pressure and is the reference. It
-comes before the implicit solve, since after it div u would not vanish, and acts on the velocity that gravity and the
-last pressure alone would give: on u* itself it would find nothing to brake in a mass at rest, which would then slide.
-Only the friction impulse is handed on, so that the solve adds gravity and pressure itself. At rest: where gravity
-less the pressure gradient is below the capacity, the walls take all of it and u = 0, p unchanged is the exact solution
-for any time step (but any such p stays: the split form does not choose among the static states); above the capacity
-the grains carry the rest. Stress from sheared neighbours is not seen until the next step: a mass stuck between the
-walls beside a flow creeps at no more than dt 2 mu_w p / (rho w). First order in dt.
+The split form |u| <- max(0, |u| - dt 2 mu_w [p]+ / (rho w)) is exact for a frozen pressure and is
+the reference. It comes before the implicit solve, since after it div u would not vanish, and acts
+on the velocity that gravity and the last pressure alone would give: on u* itself it would find
+nothing to brake in a mass at rest, which would then slide. Only the friction impulse is handed on,
+so that the solve adds gravity and pressure itself. At rest: where gravity less the pressure
+gradient is below the capacity, the walls take all of it and u = 0, p unchanged is the exact
+solution for any time step (but any such p stays: the split form does not choose among the static
+states); above the capacity the grains carry the rest. Stress from sheared neighbours is not seen
+until the next step: a mass stuck between the walls beside a flow creeps at no more than dt 2 mu_w p
+/ (rho w). First order in dt.
 """
+
 import math
 
 import numpy as np
@@ -86,18 +91,24 @@ def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, lea
             if geometry.index_u[i, k] >= 0:
                 jump = geometry.aperture[i, k] * (wet[i - 1, k] - (wet[i, k] if i < nx else 0.0))
                 mass = geometry.mass_x[i, k]
-                u_new[i, k] += balance.dt * (balance.gx * mass + jump * scale_x) / max(mass, least_mass)
+                u_new[i, k] += (
+                    balance.dt * (balance.gx * mass + jump * scale_x) / max(mass, least_mass)
+                )
     for i in range(nx):
         for k in range(1, nz):
             if geometry.index_w[i, k] >= 0:
                 mass = geometry.mass_z[i, k]
-                w_new[i, k] += balance.dt * (balance.gz * mass + (wet[i, k - 1] - wet[i, k]) * scale_z) / max(
-                    mass, least_mass)
+                w_new[i, k] += (
+                    balance.dt
+                    * (balance.gz * mass + (wet[i, k - 1] - wet[i, k]) * scale_z)
+                    / max(mass, least_mass)
+                )
 
 
 @njit(cache=True)
 def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, least_mass):
-    """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never reverses.
+    """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never
+    reverses.
 
     Parameters
     ----------
@@ -128,13 +139,22 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
                 w_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
 
 
-def brake_before_solve(u_star, w_star, pressure_filled, work, geometry, balance, least_mass, dx, dz):
+def brake_before_solve(
+    u_star, w_star, pressure_filled, work, geometry, balance, least_mass, dx, dz
+):
     """Velocity (u, w) = u* plus the friction impulse of the split form; the solve then has no sink of its own."""
     free = np.empty_like(u_star), np.empty_like(w_star)
     braked = np.empty_like(u_star), np.empty_like(w_star)
     predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, least_mass, dx, dz)
     face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
-    apply_split(*braked, *free, work.pressure_x, work.pressure_z, geometry,
-                balance.dt * balance.wall_strength / balance.density, least_mass)
+    apply_split(
+        *braked,
+        *free,
+        work.pressure_x,
+        work.pressure_z,
+        geometry,
+        balance.dt * balance.wall_strength / balance.density,
+        least_mass,
+    )
     work.sink_x[:] = work.sink_z[:] = 0.0
     return u_star + (braked[0] - free[0]), w_star + (braked[1] - free[1])

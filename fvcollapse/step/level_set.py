@@ -1,11 +1,14 @@
-"""The free surface: phi_t + u . grad phi = 0 at the nodes, signed distance restored where it has been lost.
+"""The free surface: phi_t + u . grad phi = 0 at the nodes, signed distance restored where it has
+been lost.
 
-Advection: WENO5 in space, TVD-RK3 in time, in a band around the surface. Restoring the distance: the Eikonal equation
+Advection: WENO5 in space, TVD-RK3 in time, in a band around the surface. Restoring the distance:
+the Eikonal equation
 |grad phi| = 1 by Gauss-Seidel with second-order ENO differences whose stencil ends at the surface itself, located
-to sub-cell accuracy by quadratic interpolation, so that the surface does not move (Russo & Smereka 2000; Min &
-Gibou 2007). The volume still drifts by O(h^2); `correct_volume` removes the drift where the surface moves.
-The walls and the bed are no surface: phi continues straight through them.
+to sub-cell accuracy by quadratic interpolation, so that the surface does not move (Russo & Smereka
+2000; Min & Gibou 2007). The volume still drifts by O(h^2); `correct_volume` removes the drift where
+the surface moves. The walls and the bed are no surface: phi continues straight through them.
 """
+
 import math
 
 import numpy as np
@@ -14,8 +17,12 @@ from numba import njit
 from .geometry import polygon_moments
 from .stencils import derivative_weno5, minmod
 
-RESTORE_AFTER = 2.5  # cells travelled by the fastest point; half the band, so that it never runs out of it
-RESTORE_EVERY = 10  # steps, once a tenth of that way is travelled: shear distorts phi even in a slow flow
+RESTORE_AFTER = (
+    2.5  # cells travelled by the fastest point; half the band, so that it never runs out of it
+)
+RESTORE_EVERY = (
+    10  # steps, once a tenth of that way is travelled: shear distorts phi even in a slow flow
+)
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
 
@@ -29,13 +36,17 @@ def needs_restoring(travel, steps):
 def node_velocity(u_node, w_node, u, w):
     """Velocity at the nodes, m/s, from the faces.
 
-    Bed nodes are extrapolated, so that the mean of the two nodes of the first cell is that cell's own velocity:
-    otherwise a film thinner than a cell would gain or lose volume.
+    Bed nodes are extrapolated, so that the mean of the two nodes of the first cell is that cell's
+    own velocity: otherwise a film thinner than a cell would gain or lose volume.
     """
     nx, nz = w.shape[0], u.shape[1]
     for i in range(nx + 1):
         for k in range(nz + 1):
-            u_node[i, k] = 1.5 * u[i, 0] - 0.5 * u[i, 1] if k == 0 else 0.5 * (u[i, k - 1] + u[i, min(k, nz - 1)])
+            u_node[i, k] = (
+                1.5 * u[i, 0] - 0.5 * u[i, 1]
+                if k == 0
+                else 0.5 * (u[i, k - 1] + u[i, min(k, nz - 1)])
+            )
             w_node[i, k] = 0.5 * (w[max(i - 1, 0), k] + w[min(i, nx - 1), k])
 
 
@@ -43,8 +54,8 @@ def node_velocity(u_node, w_node, u, w):
 def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
     """Give every node of the band the velocity of its nearest surface point x - phi n (bilinear).
 
-    The surface moves as before, but phi stays a distance much longer, since its contours no longer shear against
-    each other.
+    The surface moves as before, but phi stays a distance much longer, since its contours no longer
+    shear against each other.
     """
     nx, nz = phi.shape
     for i in range(nx):
@@ -63,18 +74,21 @@ def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
             z = min(max(k - phi[i, k] * gz / size / dz, 0.0), nz - 1.000001)
             a, b = int(x), int(z)
             p, q = x - a, z - b
-            u_out[i, k] = ((1.0 - p) * ((1.0 - q) * u_node[a, b] + q * u_node[a, b + 1])
-                           + p * ((1.0 - q) * u_node[a + 1, b] + q * u_node[a + 1, b + 1]))
-            w_out[i, k] = ((1.0 - p) * ((1.0 - q) * w_node[a, b] + q * w_node[a, b + 1])
-                           + p * ((1.0 - q) * w_node[a + 1, b] + q * w_node[a + 1, b + 1]))
+            u_out[i, k] = (1.0 - p) * ((1.0 - q) * u_node[a, b] + q * u_node[a, b + 1]) + p * (
+                (1.0 - q) * u_node[a + 1, b] + q * u_node[a + 1, b + 1]
+            )
+            w_out[i, k] = (1.0 - p) * ((1.0 - q) * w_node[a, b] + q * w_node[a, b + 1]) + p * (
+                (1.0 - q) * w_node[a + 1, b] + q * w_node[a + 1, b + 1]
+            )
 
 
 @njit(cache=True)
 def close_bed(phi):
     """Wet the bed under every wet node of the first row.
 
-    A front whose foot is held back by the bed rolls over; left to itself the level set would enclose a film of air
-    there, thinner than a cell, because no velocity normal to the bed can ever close it.
+    A front whose foot is held back by the bed rolls over; left to itself the level set would
+    enclose a film of air there, thinner than a cell, because no velocity normal to the bed can ever
+    close it.
     """
     for i in range(phi.shape[0]):
         phi[i, 0] = min(phi[i, 0], phi[i, 1])
@@ -84,7 +98,7 @@ def close_bed(phi):
 def padded(extended, phi):
     """Copy phi with three ghost layers, continued linearly."""
     nx, nz = phi.shape
-    extended[3:nx + 3, 3:nz + 3] = phi
+    extended[3 : nx + 3, 3 : nz + 3] = phi
     for m in range(1, 4):
         for k in range(3, nz + 3):
             extended[3 - m, k] = (m + 1) * extended[3, k] - m * extended[4, k]
@@ -97,7 +111,7 @@ def padded(extended, phi):
 
 @njit(cache=True)
 def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
-    """rate = -u . grad phi by WENO5 at the nodes with |phi| < band; zero elsewhere."""
+    """Rate = -u . grad phi by WENO5 at the nodes with |phi| < band; zero elsewhere."""
     nx, nz = rate.shape
     for i in range(nx):
         for k in range(nz):
@@ -107,25 +121,53 @@ def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
                 continue
             u, w = u_node[i, k], w_node[i, k]
             if u > 0.0:
-                rate[i, k] -= u / dx * derivative_weno5(
-                    extended[a - 2, b] - extended[a - 3, b], extended[a - 1, b] - extended[a - 2, b],
-                    extended[a, b] - extended[a - 1, b], extended[a + 1, b] - extended[a, b],
-                    extended[a + 2, b] - extended[a + 1, b])
+                rate[i, k] -= (
+                    u
+                    / dx
+                    * derivative_weno5(
+                        extended[a - 2, b] - extended[a - 3, b],
+                        extended[a - 1, b] - extended[a - 2, b],
+                        extended[a, b] - extended[a - 1, b],
+                        extended[a + 1, b] - extended[a, b],
+                        extended[a + 2, b] - extended[a + 1, b],
+                    )
+                )
             elif u < 0.0:
-                rate[i, k] -= u / dx * derivative_weno5(
-                    extended[a + 3, b] - extended[a + 2, b], extended[a + 2, b] - extended[a + 1, b],
-                    extended[a + 1, b] - extended[a, b], extended[a, b] - extended[a - 1, b],
-                    extended[a - 1, b] - extended[a - 2, b])
+                rate[i, k] -= (
+                    u
+                    / dx
+                    * derivative_weno5(
+                        extended[a + 3, b] - extended[a + 2, b],
+                        extended[a + 2, b] - extended[a + 1, b],
+                        extended[a + 1, b] - extended[a, b],
+                        extended[a, b] - extended[a - 1, b],
+                        extended[a - 1, b] - extended[a - 2, b],
+                    )
+                )
             if w > 0.0:
-                rate[i, k] -= w / dz * derivative_weno5(
-                    extended[a, b - 2] - extended[a, b - 3], extended[a, b - 1] - extended[a, b - 2],
-                    extended[a, b] - extended[a, b - 1], extended[a, b + 1] - extended[a, b],
-                    extended[a, b + 2] - extended[a, b + 1])
+                rate[i, k] -= (
+                    w
+                    / dz
+                    * derivative_weno5(
+                        extended[a, b - 2] - extended[a, b - 3],
+                        extended[a, b - 1] - extended[a, b - 2],
+                        extended[a, b] - extended[a, b - 1],
+                        extended[a, b + 1] - extended[a, b],
+                        extended[a, b + 2] - extended[a, b + 1],
+                    )
+                )
             elif w < 0.0:
-                rate[i, k] -= w / dz * derivative_weno5(
-                    extended[a, b + 3] - extended[a, b + 2], extended[a, b + 2] - extended[a, b + 1],
-                    extended[a, b + 1] - extended[a, b], extended[a, b] - extended[a, b - 1],
-                    extended[a, b - 1] - extended[a, b - 2])
+                rate[i, k] -= (
+                    w
+                    / dz
+                    * derivative_weno5(
+                        extended[a, b + 3] - extended[a, b + 2],
+                        extended[a, b + 2] - extended[a, b + 1],
+                        extended[a, b + 1] - extended[a, b],
+                        extended[a, b] - extended[a, b - 1],
+                        extended[a, b - 1] - extended[a, b - 2],
+                    )
+                )
 
 
 @njit(cache=True)
@@ -152,7 +194,8 @@ def crossing(phi_0, phi_1, curvature, h):
     linear = h * phi_0 / (phi_0 - phi_1)
     if abs(curvature) * h * h < 1e-10 * abs(phi_0 - phi_1):
         return linear
-    # phi(s) = phi_0 + s (phi_1 - phi_0)/h - curvature/2 s (h - s); two Newton steps from the linear root
+    # phi(s) = phi_0 + s (phi_1 - phi_0)/h - curvature/2 s (h - s); two Newton steps from the linear
+    # root
     s = linear
     for _ in range(4):
         f = phi_0 + s * (phi_1 - phi_0) / h - 0.5 * curvature * s * (h - s)
@@ -165,21 +208,26 @@ def crossing(phi_0, phi_1, curvature, h):
 
 @njit(cache=True)
 def one_sided(extended, old, a, b, step_a, step_b, h):
-    """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards, distance used).
+    """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards,
+    distance used).
 
     If the surface lies between, the stencil ends on it.
     """
     here = old[a, b]
     there = old[a + step_a, b + step_b]
     if here * there < 0.0:
-        curvature = minmod((old[a - step_a, b - step_b] - 2.0 * here + there) / (h * h),
-                           (here - 2.0 * there + old[a + 2 * step_a, b + 2 * step_b]) / (h * h))
+        curvature = minmod(
+            (old[a - step_a, b - step_b] - 2.0 * here + there) / (h * h),
+            (here - 2.0 * there + old[a + 2 * step_a, b + 2 * step_b]) / (h * h),
+        )
         s = max(crossing(here, there, curvature, h), 1e-6 * h)
         return (0.0 - extended[a, b]) / s - 0.5 * s * curvature, s
     value = extended[a, b]
     next_value = extended[a + step_a, b + step_b]
-    curvature = minmod((extended[a - step_a, b - step_b] - 2.0 * value + next_value) / (h * h),
-                       (value - 2.0 * next_value + extended[a + 2 * step_a, b + 2 * step_b]) / (h * h))
+    curvature = minmod(
+        (extended[a - step_a, b - step_b] - 2.0 * value + next_value) / (h * h),
+        (value - 2.0 * next_value + extended[a + 2 * step_a, b + 2 * step_b]) / (h * h),
+    )
     return (next_value - value) / h - 0.5 * h * curvature, h
 
 
@@ -222,7 +270,9 @@ def reinitialise(phi, sweeps, dx, dz):
         _refresh_ghosts(new)
     for i in range(nx):
         for k in range(nz):
-            phi[i, k] = min(max(new[i + 3, k + 3], -limit - 2.0 * max(dx, dz)), limit + 2.0 * max(dx, dz))
+            phi[i, k] = min(
+                max(new[i + 3, k + 3], -limit - 2.0 * max(dx, dz)), limit + 2.0 * max(dx, dz)
+            )
     close_bed(phi)
 
 
@@ -238,14 +288,16 @@ def volume(level_set):
     total = 0.0
     for i in range(level_set.shape[0] - 1):
         for k in range(level_set.shape[1] - 1):
-            total += polygon_moments(level_set[i, k], level_set[i + 1, k], level_set[i + 1, k + 1],
-                                     level_set[i, k + 1])[0]
+            total += polygon_moments(
+                level_set[i, k], level_set[i + 1, k], level_set[i + 1, k + 1], level_set[i, k + 1]
+            )[0]
     return total
 
 
 @njit(cache=True)
 def correct_volume(phi, mobility, target, h):
-    """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
+    """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the
+    volume added.
 
     Parameters
     ----------

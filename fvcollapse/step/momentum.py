@@ -1,8 +1,10 @@
 """Momentum advection: u_t + u . grad u = 0 over one step, the predictor of the implicit solve.
 
-Upwind WENO3 in space, two-stage TVD Runge-Kutta in time, with the advecting velocity frozen at the start of the step.
-Beyond the surface the extrapolated velocity is used. At the bed the ghost value mirrors u about the slip velocity.
+Upwind WENO3 in space, two-stage TVD Runge-Kutta in time, with the advecting velocity frozen at the
+start of the step. Beyond the surface the extrapolated velocity is used. At the bed the ghost value
+mirrors u about the slip velocity.
 """
+
 import numpy as np
 from numba import njit
 
@@ -25,12 +27,26 @@ def _rate_u(rate, field, u, w, bed_slip, phi, reach, dx, dz):
             right = min(i, nx - 2)
             across = 0.25 * (w[i - 1, k] + w[i - 1, k + 1] + w[right, k] + w[right, k + 1])
             m2 = field[i - 2, k] if i >= 2 else -field[1, k]
-            along = derivative_weno3(m2, field[i - 1, k], field[i, k], _take(field, i + 1, k, nx, nz),
-                                     _take(field, i + 2, k, nx, nz), u[i, k], dx)
+            along = derivative_weno3(
+                m2,
+                field[i - 1, k],
+                field[i, k],
+                _take(field, i + 1, k, nx, nz),
+                _take(field, i + 2, k, nx, nz),
+                u[i, k],
+                dx,
+            )
             below = field[i, k - 1] if k >= 1 else 2.0 * bed_slip[i] - field[i, 0]
             below_2 = field[i, k - 2] if k >= 2 else (2.0 * bed_slip[i] - field[i, 1 - k])
-            normal = derivative_weno3(below_2, below, field[i, k], _take(field, i, k + 1, nx, nz),
-                                      _take(field, i, k + 2, nx, nz), across, dz)
+            normal = derivative_weno3(
+                below_2,
+                below,
+                field[i, k],
+                _take(field, i, k + 1, nx, nz),
+                _take(field, i, k + 2, nx, nz),
+                across,
+                dz,
+            )
             rate[i, k] = -u[i, k] * along - across * normal
 
 
@@ -44,17 +60,32 @@ def _rate_w(rate, field, u, w, phi, reach, dx, dz):
                 continue
             high = min(k, nz - 2)
             across = 0.25 * (u[i, k - 1] + u[i + 1, k - 1] + u[i, high] + u[i + 1, high])
-            along = derivative_weno3(_take(field, i - 2, k, nx, nz), _take(field, i - 1, k, nx, nz), field[i, k],
-                                     _take(field, i + 1, k, nx, nz), _take(field, i + 2, k, nx, nz), across, dx)
+            along = derivative_weno3(
+                _take(field, i - 2, k, nx, nz),
+                _take(field, i - 1, k, nx, nz),
+                field[i, k],
+                _take(field, i + 1, k, nx, nz),
+                _take(field, i + 2, k, nx, nz),
+                across,
+                dx,
+            )
             below_2 = field[i, k - 2] if k >= 2 else -field[i, 1]
-            normal = derivative_weno3(below_2, field[i, k - 1], field[i, k], _take(field, i, k + 1, nx, nz),
-                                      _take(field, i, k + 2, nx, nz), w[i, k], dz)
+            normal = derivative_weno3(
+                below_2,
+                field[i, k - 1],
+                field[i, k],
+                _take(field, i, k + 1, nx, nz),
+                _take(field, i, k + 2, nx, nz),
+                w[i, k],
+                dz,
+            )
             rate[i, k] = -across * along - w[i, k] * normal
 
 
 @njit(cache=True)
 def advect_momentum(u_star, w_star, u, w, bed_slip, phi, reach, dt, dx, dz):
-    """(u*, w*) = velocity after pure advection over dt, at faces with level set below `reach`; unchanged elsewhere.
+    """(u*, w*) = velocity after pure advection over dt, at faces with level set below `reach`;
+    unchanged elsewhere.
 
     Parameters
     ----------

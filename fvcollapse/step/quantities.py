@@ -1,4 +1,5 @@
 """What the solver knows at the cell centres, and the energies; computed for output, never fed back."""
+
 import math
 
 import numpy as np
@@ -11,20 +12,32 @@ from .strain import shear_rate_centre, strain_rates
 
 @njit(cache=True)
 def local_slopes(shear_rate, pressure, material):
-    """n = d ln tau / d ln shear_rate and t = d tau / d p of the law, by central differences of 0.1 %."""
+    """N = d ln tau / d ln shear_rate and t = d tau / d p of the law, by central differences of 0.1 %."""
     step = 1.0e-3
     up, down = shear_rate * (1.0 + step), shear_rate * (1.0 - step)
     tau_up = up * effective_viscosity(up, pressure, material)
     tau_down = down * effective_viscosity(down, pressure, material)
     exponent = math.log(tau_up / tau_down) / math.log(up / down)
-    rise = shear_rate * (effective_viscosity(shear_rate, pressure * (1.0 + step), material)
-                         - effective_viscosity(shear_rate, pressure * (1.0 - step), material))
+    rise = shear_rate * (
+        effective_viscosity(shear_rate, pressure * (1.0 + step), material)
+        - effective_viscosity(shear_rate, pressure * (1.0 - step), material)
+    )
     return exponent, rise / (2.0 * step * pressure)
 
 
 @njit(cache=True)
-def fill_quantities(pressure, shear_rate, viscosity, inertial, ill_posed, e_centre, g_node, pressure_filled, filled,
-                    material):
+def fill_quantities(
+    pressure,
+    shear_rate,
+    viscosity,
+    inertial,
+    ill_posed,
+    e_centre,
+    g_node,
+    pressure_filled,
+    filled,
+    material,
+):
     """Cell-centre fields in the wet cells; zero (and not ill-posed) elsewhere."""
     nx, nz = filled.shape
     for i in range(nx):
@@ -51,18 +64,34 @@ def cell_quantities(state, geometry, material, dx, dz):
     Returns
     -------
     dict of (nx, nz) arrays
-        filled_fraction (-), pressure (Pa), shear_rate (1/s), viscosity (Pa s), inertial_number (-, 0 without
-        pressure), ill_posed (bool).
+        filled_fraction (-), pressure (Pa), shear_rate (1/s), viscosity (Pa s), inertial_number (-,
+        0 without pressure), ill_posed (bool).
     """
     shape = state.pressure_filled.shape
     e_centre, g_node = np.zeros(shape), np.zeros((shape[0] + 1, shape[1] + 1))
     strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
     pressure, shear_rate, viscosity, inertial = (np.zeros(shape) for _ in range(4))
     ill_posed = np.zeros(shape, np.bool_)
-    fill_quantities(pressure, shear_rate, viscosity, inertial, ill_posed, e_centre, g_node, state.pressure_filled,
-                    geometry.filled, material)
-    return {"filled_fraction": geometry.filled.copy(), "pressure": pressure, "shear_rate": shear_rate,
-            "viscosity": viscosity, "inertial_number": inertial, "ill_posed": ill_posed}
+    fill_quantities(
+        pressure,
+        shear_rate,
+        viscosity,
+        inertial,
+        ill_posed,
+        e_centre,
+        g_node,
+        state.pressure_filled,
+        geometry.filled,
+        material,
+    )
+    return {
+        "filled_fraction": geometry.filled.copy(),
+        "pressure": pressure,
+        "shear_rate": shear_rate,
+        "viscosity": viscosity,
+        "inertial_number": inertial,
+        "ill_posed": ill_posed,
+    }
 
 
 def energies(state, geometry, density, gravity, dx, dz):
@@ -71,8 +100,13 @@ def energies(state, geometry, density, gravity, dx, dz):
     The potential is zero at the origin (back wall, bed).
     """
     cell = density * dx * dz
-    kinetic = 0.5 * cell * (np.sum(geometry.mass_x * state.u**2) + np.sum(geometry.mass_z * state.w**2))
+    kinetic = (
+        0.5 * cell * (np.sum(geometry.mass_x * state.u**2) + np.sum(geometry.mass_z * state.w**2))
+    )
     nx, nz = geometry.filled.shape
     x_moment = dx * (np.arange(nx)[:, None] * geometry.filled + geometry.lever_x).sum()
     z_moment = dz * (np.arange(nz)[None, :] * geometry.filled + geometry.lever_z).sum()
-    return {"kinetic": kinetic, "potential": -cell * (gravity[0] * x_moment + gravity[1] * z_moment)}
+    return {
+        "kinetic": kinetic,
+        "potential": -cell * (gravity[0] * x_moment + gravity[1] * z_moment),
+    }

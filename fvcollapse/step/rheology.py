@@ -1,9 +1,9 @@
 """Viscosity of the granular mass: eta(shear rate, pressure), one function for every law.
 
-Norm convention, used everywhere: shear_rate = sqrt(2 D:D) (twice the paper's norm of D), stress S = 2 eta D, so that
-in simple shear tau = eta du/dz. The plastic part of every law is regularised once, as
-yield / sqrt(shear_rate^2 + shear_rate_min^2): a stressed but unyielded mass creeps at a rate known in closed form
-instead of being rigid.
+Norm convention, used everywhere: shear_rate = sqrt(2 D:D) (twice the paper's norm of D), stress S =
+2 eta D, so that in simple shear tau = eta du/dz. The plastic part of every law is regularised once,
+as yield / sqrt(shear_rate^2 + shear_rate_min^2): a stressed but unyielded mass creeps at a rate
+known in closed form instead of being rigid.
 
 | law | tau(shear_rate, p) | source |
 |---|---|---|
@@ -13,6 +13,7 @@ instead of being rigid.
 | newtonian | viscosity shear_rate | |
 | mu_I_regularised | mu(I) p, mu -> 0 logarithmically as I -> 0 | Barker & Gray (2017), equations 6.3-6.4 |
 """
+
 import math
 from typing import NamedTuple
 
@@ -21,9 +22,16 @@ from numba import njit
 from .ill_posedness import lower_well_posed_limit
 
 MU_I, DRUCKER_PRAGER, BINGHAM, NEWTONIAN, MU_I_REGULARISED = range(5)
-LAWS = {"mu_I": MU_I, "drucker_prager": DRUCKER_PRAGER, "bingham": BINGHAM, "newtonian": NEWTONIAN,
-        "mu_I_regularised": MU_I_REGULARISED}
-ETA_FLOOR = 1.0e-3  # Pa s; a flow without pressure keeps a little viscosity, far below that of any law here
+LAWS = {
+    "mu_I": MU_I,
+    "drucker_prager": DRUCKER_PRAGER,
+    "bingham": BINGHAM,
+    "newtonian": NEWTONIAN,
+    "mu_I_regularised": MU_I_REGULARISED,
+}
+ETA_FLOOR = (
+    1.0e-3  # Pa s; a flow without pressure keeps a little viscosity, far below that of any law here
+)
 
 
 class Material(NamedTuple):
@@ -67,17 +75,39 @@ def material(case):
         I_1 = lower_well_posed_limit(mu_1, mu_2, rheology.I_0)
         mu_at_I_1 = mu_of_upper_branch(I_1, mu_1, mu_2, rheology.I_0, rheology.mu_infinity)
         A_minus = I_1 * math.exp(rheology.alpha_regularised / mu_at_I_1**2)
-    return Material(law, mu_1, mu_2, rheology.I_0, rheology.viscosity, rheology.cohesion,
-                    rheology.grain_diameter * math.sqrt(rheology.density_grain), case.numerics.shear_rate_min,
-                    I_1, A_minus, rheology.alpha_regularised, rheology.mu_infinity)
+    return Material(
+        law,
+        mu_1,
+        mu_2,
+        rheology.I_0,
+        rheology.viscosity,
+        rheology.cohesion,
+        rheology.grain_diameter * math.sqrt(rheology.density_grain),
+        case.numerics.shear_rate_min,
+        I_1,
+        A_minus,
+        rheology.alpha_regularised,
+        rheology.mu_infinity,
+    )
 
 
 @njit(cache=True)
 def with_shear_rate_min(material, shear_rate_min):
     """The same material with another regularisation rate (1/s)."""
-    return Material(material.law, material.mu_1, material.mu_2, material.I_0, material.viscosity, material.cohesion,
-                    material.grain_scale, shear_rate_min, material.I_1, material.A_minus, material.alpha,
-                    material.mu_infinity)
+    return Material(
+        material.law,
+        material.mu_1,
+        material.mu_2,
+        material.I_0,
+        material.viscosity,
+        material.cohesion,
+        material.grain_scale,
+        shear_rate_min,
+        material.I_1,
+        material.A_minus,
+        material.alpha,
+        material.mu_infinity,
+    )
 
 
 @njit(cache=True)
@@ -107,12 +137,14 @@ def mu_regularised(inertial, material):
         return 0.0
     if inertial < material.I_1:
         return math.sqrt(material.alpha / math.log(material.A_minus / inertial))
-    return mu_of_upper_branch(inertial, material.mu_1, material.mu_2, material.I_0, material.mu_infinity)
+    return mu_of_upper_branch(
+        inertial, material.mu_1, material.mu_2, material.I_0, material.mu_infinity
+    )
 
 
 @njit(cache=True)
 def effective_viscosity(shear_rate, pressure, material):
-    """eta = tau / shear_rate in Pa s.
+    """Eta = tau / shear_rate in Pa s.
 
     Parameters
     ----------
@@ -128,12 +160,17 @@ def effective_viscosity(shear_rate, pressure, material):
         Pa s, between `ETA_FLOOR` and yield / shear_rate_min + viscous part.
     """
     p = max(pressure, 0.0)
-    plastic = 1.0 / math.sqrt(shear_rate * shear_rate + material.shear_rate_min * material.shear_rate_min)
+    plastic = 1.0 / math.sqrt(
+        shear_rate * shear_rate + material.shear_rate_min * material.shear_rate_min
+    )
     if material.law == MU_I:
         eta = (material.mu_1 * p + material.cohesion) * plastic
         if p > 0.0:
-            eta += (material.mu_2 - material.mu_1) * p / (
-                shear_rate + material.I_0 * math.sqrt(p) / material.grain_scale)
+            eta += (
+                (material.mu_2 - material.mu_1)
+                * p
+                / (shear_rate + material.I_0 * math.sqrt(p) / material.grain_scale)
+            )
     elif material.law == DRUCKER_PRAGER:
         eta = (material.mu_1 * p + material.cohesion) * plastic + material.viscosity
     elif material.law == BINGHAM:
@@ -141,7 +178,11 @@ def effective_viscosity(shear_rate, pressure, material):
     elif material.law == NEWTONIAN:
         eta = material.viscosity
     else:
-        mu = mu_regularised(inertial_number(shear_rate, p, material.grain_scale), material) if p > 0.0 else 0.0
+        mu = (
+            mu_regularised(inertial_number(shear_rate, p, material.grain_scale), material)
+            if p > 0.0
+            else 0.0
+        )
         eta = (mu * p + material.cohesion) * plastic
     return max(eta, ETA_FLOOR)
 

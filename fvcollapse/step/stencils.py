@@ -1,4 +1,5 @@
 """One-sided differences of Hamilton-Jacobi form, shared by the advection of the level set and of the momentum."""
+
 from numba import njit
 
 

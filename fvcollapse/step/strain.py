@@ -1,9 +1,10 @@
 """Strain rates on the staggered grid, and where they exist.
 
-At cell centres e = (du/dx - dw/dz)/2 (the deviatoric half difference); at nodes g = du/dz + dw/dx. The shear rate is
-sqrt(2 D:D) = sqrt(4 e^2 + g^2); at the centre the mean of the four *squares* g^2 is taken, since the mean of g itself
-cannot see a checkerboard of shear.
+At cell centres e = (du/dx - dw/dz)/2 (the deviatoric half difference); at nodes g = du/dz + dw/dx.
+The shear rate is sqrt(2 D:D) = sqrt(4 e^2 + g^2); at the centre the mean of the four *squares* g^2
+is taken, since the mean of g itself cannot see a checkerboard of shear.
 """
+
 import math
 
 from numba import njit
@@ -15,7 +16,12 @@ def node_is_interior(index_u, index_w, i, k):
     nx, nz = index_w.shape[0], index_u.shape[1]
     if i < 1 or i > nx - 1 or k < 1 or k > nz - 1:
         return False
-    return (index_u[i, k - 1] >= 0 and index_u[i, k] >= 0 and index_w[i - 1, k] >= 0 and index_w[i, k] >= 0)
+    return (
+        index_u[i, k - 1] >= 0
+        and index_u[i, k] >= 0
+        and index_w[i - 1, k] >= 0
+        and index_w[i, k] >= 0
+    )
 
 
 @njit(cache=True)
@@ -30,8 +36,11 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     for i in range(nx):
         for k in range(nz):
             if geometry.filled[i, k] > 1.0e-8:
-                e_centre[i, k] = 0.5 * ((geometry.aperture[i + 1, k] * u[i + 1, k] - geometry.aperture[i, k] * u[i, k])
-                                        / dx - (w[i, k + 1] - w[i, k]) / dz)
+                e_centre[i, k] = 0.5 * (
+                    (geometry.aperture[i + 1, k] * u[i + 1, k] - geometry.aperture[i, k] * u[i, k])
+                    / dx
+                    - (w[i, k + 1] - w[i, k]) / dz
+                )
     for i in range(1, nx):
         if geometry.index_u[i, 0] >= 0:
             g_node[i, 0] = 2.0 * (u[i, 0] - bed_slip[i]) / dz
@@ -43,12 +52,22 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
 @njit(cache=True)
 def shear_rate_centre(e_centre, g_node, i, k):
     """sqrt(4 e^2 + mean of g^2) at cell (i, k), 1/s."""
-    g2 = (g_node[i, k] ** 2 + g_node[i + 1, k] ** 2 + g_node[i, k + 1] ** 2 + g_node[i + 1, k + 1] ** 2) / 4.0
+    g2 = (
+        g_node[i, k] ** 2
+        + g_node[i + 1, k] ** 2
+        + g_node[i, k + 1] ** 2
+        + g_node[i + 1, k + 1] ** 2
+    ) / 4.0
     return math.sqrt(4.0 * e_centre[i, k] ** 2 + g2)
 
 
 @njit(cache=True)
 def shear_rate_node(e_centre, g_node, i, k):
     """sqrt(mean of 4 e^2 + g^2) at interior node (i, k), 1/s."""
-    e2 = (e_centre[i - 1, k - 1] ** 2 + e_centre[i, k - 1] ** 2 + e_centre[i - 1, k] ** 2 + e_centre[i, k] ** 2) / 4.0
+    e2 = (
+        e_centre[i - 1, k - 1] ** 2
+        + e_centre[i, k - 1] ** 2
+        + e_centre[i - 1, k] ** 2
+        + e_centre[i, k] ** 2
+    ) / 4.0
     return math.sqrt(4.0 * e2 + g_node[i, k] ** 2)

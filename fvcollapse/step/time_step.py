@@ -1,4 +1,5 @@
 """The time step: the smallest of the limits that the terms set. Viscosity and friction are implicit and set none."""
+
 import math
 
 

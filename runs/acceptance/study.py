@@ -2,8 +2,10 @@
 
     python runs/acceptance/study.py matrix grid time_step random --workers 2
 
-Each part writes runs/acceptance/<part>.csv and prints it. Cases already in the file are not run again.
+Each part writes runs/acceptance/<part>.csv and prints it. Cases already in the file are not run
+again.
 """
+
 import argparse
 import csv
 import itertools
@@ -22,17 +24,27 @@ LAWS = ("mu_I", "drucker_prager", "bingham", "newtonian", "mu_I_regularised")
 
 def matrix():
     """Every slope and width of the paper at 6 mm, to rest."""
-    return {f"a{slope}_w{width:g}": collapse(slope, width, end=3.0) for slope in SLOPES for width in WIDTHS}
+    return {
+        f"a{slope}_w{width:g}": collapse(slope, width, end=3.0)
+        for slope in SLOPES
+        for width in WIDTHS
+    }
 
 
 def grid():
     """22 deg, w = 10 cm on three grids."""
-    return {f"dx{1e3 * size:g}mm": collapse(22, 0.10, **{"grid.cell_size": size}) for size in (0.006, 0.004, 0.003)}
+    return {
+        f"dx{1e3 * size:g}mm": collapse(22, 0.10, **{"grid.cell_size": size})
+        for size in (0.006, 0.004, 0.003)
+    }
 
 
 def time_step():
     """22 deg, w = 10 cm with the time step halved."""
-    return {f"dt{1e3 * step:g}ms": collapse(22, 0.10, **{"time.step_max": step}) for step in (1.195e-3, 0.5975e-3)}
+    return {
+        f"dt{1e3 * step:g}ms": collapse(22, 0.10, **{"time.step_max": step})
+        for step in (1.195e-3, 0.5975e-3)
+    }
 
 
 def random():
@@ -45,19 +57,33 @@ def random():
         height = float(np.clip(0.14 * aspect**0.5, 0.05, 0.35))
         width = float(rng.choice([0.03, 0.1, 0.2, np.inf]))
         cases[f"r{number:02d}"] = collapse(
-            float(rng.uniform(0.0, 28.0)), width, end=1.5,
-            **{"geometry.height_0": height, "geometry.length_0": height / aspect, "rheology.law": law,
-               "rheology.cohesion": 50.0 if law == "bingham" else 0.0,
-               "grid.cell_size": float(min(rng.uniform(0.004, 0.012), height / 4, height / aspect / 3)),
-               "boundary.right_end": "grow" if rng.random() < 0.5 else "open",
-               "boundary.domain_length": max(1.0, 2.0 * height / aspect)})
+            float(rng.uniform(0.0, 28.0)),
+            width,
+            end=1.5,
+            **{
+                "geometry.height_0": height,
+                "geometry.length_0": height / aspect,
+                "rheology.law": law,
+                "rheology.cohesion": 50.0 if law == "bingham" else 0.0,
+                "grid.cell_size": float(
+                    min(rng.uniform(0.004, 0.012), height / 4, height / aspect / 3)
+                ),
+                "boundary.right_end": "grow" if rng.random() < 0.5 else "open",
+                "boundary.domain_length": max(1.0, 2.0 * height / aspect),
+            },
+        )
     return cases
 
 
 def collapse(slope, width, end=2.5, **changes):
     """Settings of one case, by key."""
-    settings = {"geometry.slope_angle_deg": float(slope), "geometry.channel_width": width, "time.end": end,
-                "time.field_interval": end, "effects.lateral_friction": {}}
+    settings = {
+        "geometry.slope_angle_deg": float(slope),
+        "geometry.channel_width": width,
+        "time.end": end,
+        "time.field_interval": end,
+        "effects.lateral_friction": {},
+    }
     if changes.get("boundary.right_end") == "grow":
         changes.pop("boundary.domain_length")
     return settings | changes
@@ -73,9 +99,18 @@ def run_one(name, settings):
     try:
         result = run(case)
     except Exception as error:  # a failed case is a row of the table, with its reason
-        return {"name": name, "settings": json.dumps(settings), "failure": f"{type(error).__name__}: {error}"}
-    return {"name": name, "settings": json.dumps(settings), "failure": "", **measure(result, case),
-            "cpu_s": round(time.process_time() - start, 1)}
+        return {
+            "name": name,
+            "settings": json.dumps(settings),
+            "failure": f"{type(error).__name__}: {error}",
+        }
+    return {
+        "name": name,
+        "settings": json.dumps(settings),
+        "failure": "",
+        **measure(result, case),
+        "cpu_s": round(time.process_time() - start, 1),
+    }
 
 
 def measure(result, case):
@@ -83,11 +118,23 @@ def measure(result, case):
     series = {key: np.asarray(value) for key, value in result.series.items()}
     t = series["time"]
     still = np.flatnonzero(series["max_speed"] >= 1e-3)
-    row = {key: float(series[key][-1]) for key in ("runout_10mm", "runout", "runout_1mm", "x_99", "max_thickness",
-                                                   "volume_correction", "max_speed")}
+    row = {
+        key: float(series[key][-1])
+        for key in (
+            "runout_10mm",
+            "runout",
+            "runout_1mm",
+            "x_99",
+            "max_thickness",
+            "volume_correction",
+            "max_speed",
+        )
+    }
     row["runout_1.76s"] = float(np.interp(1.76, t, series["runout"]))
     row["peak_front_velocity"] = float(series["front_velocity"].max())
-    row["rest_since"] = float(t[still[-1] + 1]) if still.size and still[-1] + 1 < t.size else float("nan")
+    row["rest_since"] = (
+        float(t[still[-1] + 1]) if still.size and still[-1] + 1 < t.size else float("nan")
+    )
     row["relative_volume_max"] = float(np.abs(series["relative_volume"]).max())
     row["correction_step_max"] = float(np.abs(np.diff(series["volume_correction"])).max())
     row["detached_max"] = float(series["detached_volume"].max())

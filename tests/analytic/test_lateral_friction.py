@@ -1,4 +1,5 @@
 """Friction on the lateral walls: a rigid block between them, the split form against the implicit one, closures."""
+
 import math
 
 import numpy as np
@@ -11,7 +12,8 @@ from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_c
 from fvcollapse.step.rheology import material
 
 SPEED, HEIGHT, WIDTH, MU_WALL = 0.3, 0.1, 0.05, 0.18
-# Cohesion and viscosity make the layer rigid; the bed is smooth and the ends are periodic: only the walls brake it.
+# Cohesion and viscosity make the layer rigid; the bed is smooth and the ends are periodic: only the
+# walls brake it.
 BLOCK = """
 [geometry]
 slope_angle_deg = {slope}
@@ -66,9 +68,13 @@ def slide(slope, scheme, step=1e-3):
 def test_block_stops_at_the_exact_time_and_never_reverses(slope, scheme):
     _, times, speeds, deceleration = slide(slope, scheme)
     exact = np.maximum(SPEED - deceleration * times, 0.0)
-    assert speeds.mean(axis=1) == pytest.approx(exact, abs=1e-3)  # split: first order, 7e-4 m/s at 1 ms
+    assert speeds.mean(axis=1) == pytest.approx(
+        exact, abs=1e-3
+    )  # split: first order, 7e-4 m/s at 1 ms
     assert speeds.min() > -1e-14
-    assert speeds[-1].max() < 1e-4  # split: the top, where demand exceeds capacity, creeps by 6e-5 m/s at 1 ms
+    assert (
+        speeds[-1].max() < 1e-4
+    )  # split: the top, where demand exceeds capacity, creeps by 6e-5 m/s at 1 ms
 
 
 def test_split_block_follows_the_implicit_one():
@@ -90,7 +96,9 @@ def test_stuck_block_creeps_as_regularised():
 @pytest.mark.parametrize("scheme", ["implicit", "split"])
 def test_column_behind_the_gate_stays_at_rest(scheme):
     walls = f'[effects.lateral_friction]\nscheme = "{scheme}"'
-    simulation = Simulation(case_from_text(COLUMN.format(slope=0, width=0.1, gate_speed=0, walls=walls)))
+    simulation = Simulation(
+        case_from_text(COLUMN.format(slope=0, width=0.1, gate_speed=0, walls=walls))
+    )
     pressure = simulation.state.pressure_filled.copy()
     for _ in range(30):
         simulation.advance(1.0)
@@ -104,9 +112,19 @@ def test_column_behind_the_gate_stays_at_rest(scheme):
 def uniform_flow(direction, nx=8, nz=6):
     """A full domain moving at SPEED in `direction` (rad) under 1000 Pa."""
     geometry = allocate_geometry(nx, nz)
-    fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, np.full((nx + 1, nz + 1), -1.0), geometry.aperture)
-    fill_faces(geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z)
-    number_unknowns(geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture, False, 0, nx)
+    fill_cells(
+        geometry.filled,
+        geometry.lever_x,
+        geometry.lever_z,
+        np.full((nx + 1, nz + 1), -1.0),
+        geometry.aperture,
+    )
+    fill_faces(
+        geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
+    )
+    number_unknowns(
+        geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture, False, 0, nx
+    )
     u = np.full((nx + 1, nz), SPEED * math.cos(direction))
     w = np.full((nx, nz + 1), SPEED * math.sin(direction))
     p_x, p_z = np.empty_like(u), np.empty_like(w)
@@ -128,7 +146,9 @@ def test_friction_opposes_the_velocity_and_does_not_depend_on_its_direction(dire
     u_new, w_new = np.empty_like(u), np.empty_like(w)
     impulse = 0.1 * SPEED / 1000.0
     apply_split(u_new, w_new, u, w, p_x, p_z, geometry, impulse, 1e-4)
-    assert np.array([u_new[inner], w_new[inner]]) == pytest.approx(0.9 * SPEED * along, rel=1e-12, abs=1e-15)
+    assert np.array([u_new[inner], w_new[inner]]) == pytest.approx(
+        0.9 * SPEED * along, rel=1e-12, abs=1e-15
+    )
 
 
 def test_split_stops_exactly_without_reversal():
@@ -139,7 +159,10 @@ def test_split_stops_exactly_without_reversal():
         before = np.hypot(u[4, 3], w[4, 3])
         u_new, w_new = np.empty_like(u), np.empty_like(w)
         apply_split(u_new, w_new, u, w, p_x, p_z, geometry, impulse, 1e-4)
-        u[inner], w[inner] = u_new[4, 3], w_new[4, 3]  # uniform flow, without the influence of the ends
+        u[inner], w[inner] = (
+            u_new[4, 3],
+            w_new[4, 3],
+        )  # uniform flow, without the influence of the ends
         assert 0.0 <= np.hypot(u[4, 3], w[4, 3]) < before
     assert u[4, 3] == 0.0
     assert w[4, 3] == 0.0
@@ -167,7 +190,9 @@ def test_friction_increase_changes_mu_1_and_mu_2_only():
 def test_infinite_channel_is_bit_identical_to_no_walls(closure):
     states = []
     for walls in ("", f'[effects.lateral_friction]\nclosure = "{closure}"'):
-        simulation = Simulation(case_from_text(COLUMN.format(slope=22, width="inf", gate_speed="inf", walls=walls)))
+        simulation = Simulation(
+            case_from_text(COLUMN.format(slope=22, width="inf", gate_speed="inf", walls=walls))
+        )
         for _ in range(20):
             simulation.advance(1.0)
         states.append(simulation.state)

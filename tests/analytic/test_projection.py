@@ -1,4 +1,5 @@
 """The reference method: exact pressure at rest, div u = 0, and the same flow as the coupled method."""
+
 import numpy as np
 import pytest
 
@@ -70,7 +71,7 @@ def test_rest_column_reaches_the_static_pressure(viscosity):
         simulation.advance(1.0)
     case, grid = simulation.case, simulation.grid
     static = case.rheology.density_bulk * GRAVITY * (case.geometry.height_0 - 0.5 * grid.dz)
-    bed_pressure = simulation.cell_quantities()["pressure"][:simulation.gate_column, 0]
+    bed_pressure = simulation.cell_quantities()["pressure"][: simulation.gate_column, 0]
     assert bed_pressure == pytest.approx(static, rel=1e-3)
 
 
