@@ -151,7 +151,7 @@ class Simulation:
             outcome.sweeps,
             outcome.change,
             outcome.divergence,
-            outcome.change > self.case.numerics.tolerance,
+            not outcome.settled,
             correction,
         )
 
@@ -268,6 +268,7 @@ class Simulation:
         fill_faces(
             geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
         )
+        geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
         self.unknowns = number_unknowns(
             geometry.index_u,

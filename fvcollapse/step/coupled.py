@@ -24,6 +24,7 @@ from .rheology import with_shear_rate_min
 from .strain import strain_rates
 from .viscous import add_incompressibility, add_viscous, divergence, viscosity_weights
 
+FRICTION_TOLERANCE = 0.01  # change of the bed's friction between two sweeps
 MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
 
 
@@ -65,7 +66,11 @@ class Work(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What the sweeps report: `change` of the last sweep and `residual` of the momentum balance are relative."""
+    """What the sweeps report.
+
+    `change` of the last sweep and `residual` of the momentum balance are relative; `settled`: the
+    velocity has converged to the tolerance and the friction of the bed to `FRICTION_TOLERANCE`.
+    """
 
     sweeps: int
     change: float
@@ -73,6 +78,7 @@ class Outcome(NamedTuple):
     residual: float
     info: int
     released: int
+    settled: bool
 
 
 def allocate_work(nx, nz):
@@ -344,6 +350,16 @@ def _add(vector, n, value):
 
 
 @njit(cache=True)
+def bed_force(work, u, geometry):
+    """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
+    total = 0.0
+    for i in range(geometry.first, _last_face(geometry)):
+        if geometry.index_u[i, 0] >= 0:
+            total += work.k_bed[i] * abs(u[i, 0])
+    return total
+
+
+@njit(cache=True)
 def solve(
     u,
     w,
@@ -375,10 +391,17 @@ def solve(
     start_constraints(work.constrained, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
     change = residual = div_max = math.inf
     sweeps = info = changed = 0
+    settled = False
+    friction = math.inf
+    film = (
+        0.1 * balance.density * abs(balance.gz) * dz * geometry.filled.shape[0]
+    )  # a tenth of a cell on the bed
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         softened = with_shear_rate_min(material, rate)
         coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
+        previous = friction
+        friction = bed_force(work, u, geometry)
         band[:] = 0.0
         add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
         add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
@@ -409,7 +432,12 @@ def solve(
         change /= max(largest, balance.speed_scale)
         if not change < 1.0e6:
             break
-        if sweep > 0 and rate <= material.shear_rate_min and change < balance.tolerance:
+        settled = (
+            rate <= material.shear_rate_min
+            and change < balance.tolerance
+            and abs(friction - previous) <= FRICTION_TOLERANCE * (friction + film)
+        )
+        if sweep > 0 and settled:
             break
     residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
-    return Outcome(sweeps, change, div_max, residual, info, changed)
+    return Outcome(sweeps, change, div_max, residual, info, changed, settled)

@@ -38,8 +38,8 @@ def face_pressures(pressure_x, pressure_z, pressure_filled, geometry):
             p = pressure_filled[i, k]
             if v > 1.0e-8 and p > 0.0:
                 share = geometry.lever_x[i, k] / v
-                pressure_x[i, k] += (1.0 - share) * p
-                pressure_x[i + 1, k] += share * p
+                pressure_x[i, k] += (1.0 - share) * p * geometry.aperture[i, k]
+                pressure_x[i + 1, k] += share * p * geometry.aperture[i + 1, k]
                 share = geometry.lever_z[i, k] / v
                 pressure_z[i, k] += (1.0 - share) * p
                 pressure_z[i, k + 1] += share * p

@@ -26,7 +26,7 @@ def node_is_interior(index_u, index_w, i, k):
 
 @njit(cache=True)
 def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
-    """Fill e at wet cells and g at interior, bed and back-wall nodes; zero elsewhere. 1/s.
+    """Fill e at wet cells and g at interior and bed nodes; zero elsewhere. 1/s.
 
     At bed nodes g = 2 (u_0 - bed_slip)/dz: only what the grains themselves shear, not the slip.
     """
@@ -50,24 +50,21 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
 
 
 @njit(cache=True)
+def mean_square(a, b, c, d):
+    """Mean of the squares of those of the four values that exist; an exact zero stands for none."""
+    count = (a != 0.0) + (b != 0.0) + (c != 0.0) + (d != 0.0)
+    return (a * a + b * b + c * c + d * d) / max(count, 1)
+
+
+@njit(cache=True)
 def shear_rate_centre(e_centre, g_node, i, k):
     """sqrt(4 e^2 + mean of g^2) at cell (i, k), 1/s."""
-    g2 = (
-        g_node[i, k] ** 2
-        + g_node[i + 1, k] ** 2
-        + g_node[i, k + 1] ** 2
-        + g_node[i + 1, k + 1] ** 2
-    ) / 4.0
+    g2 = mean_square(g_node[i, k], g_node[i + 1, k], g_node[i, k + 1], g_node[i + 1, k + 1])
     return math.sqrt(4.0 * e_centre[i, k] ** 2 + g2)
 
 
 @njit(cache=True)
 def shear_rate_node(e_centre, g_node, i, k):
     """sqrt(mean of 4 e^2 + g^2) at interior node (i, k), 1/s."""
-    e2 = (
-        e_centre[i - 1, k - 1] ** 2
-        + e_centre[i, k - 1] ** 2
-        + e_centre[i - 1, k] ** 2
-        + e_centre[i, k] ** 2
-    ) / 4.0
+    e2 = mean_square(e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k])
     return math.sqrt(4.0 * e2 + g_node[i, k] ** 2)
