@@ -25,6 +25,9 @@ def main(argv=None):
     except FvcollapseError as error:
         print(error, file=sys.stderr)
         return error.exit_status
+    except MemoryError as error:
+        print(f"out of memory: {one_line(error)}; larger cells need less", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130

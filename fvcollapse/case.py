@@ -194,7 +194,7 @@ class Numerics(Section):
     ] = "coupled"
     unilateral: Annotated[bool, key("-", "no suction: p >= 0, and div u >= 0 where p = 0")] = True
     shear_rate_min: Annotated[
-        float, key("1/s", "shear rate below which the yield stress is regularised", gt=0, le=1)
+        float, key("1/s", "shear rate below which the yield stress is regularised", ge=1e-12, le=1)
     ] = 5e-4
     tolerance: Annotated[
         float, key("-", "nonlinear iteration: largest relative residual", gt=0, lt=1)

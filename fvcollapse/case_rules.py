@@ -8,6 +8,7 @@ from math import isfinite, radians, tan
 from fvcollapse.case_keys import key_metas, sections, show
 
 CELLS_MAX = 4_000_000  # in the initial column: more would not fit in the memory of a desktop
+BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
 OUTPUTS_MAX = 1_000_000  # a shorter output interval is a slip of the pen
 ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
@@ -80,6 +81,10 @@ def rule_cells(case):
     if cells > CELLS_MAX:
         found = f"{size_x:g}, which makes {cells:.3g} cells in the column"
         yield "grid.cell_size", found, f"sizes that make at most {CELLS_MAX:g} cells"
+    band = 32.0 * (length / size_x) * (height / size_z) ** 2  # bytes of the matrix of the column
+    if cells <= CELLS_MAX and band > BAND_MAX:
+        found = f"{size_x:g}, which needs a matrix of {band / 1e9:.3g} GB"
+        yield "grid.cell_size", found, f"sizes that need at most {BAND_MAX / 1e9:g} GB"
 
 
 def rule_domain(case):

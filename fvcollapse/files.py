@@ -75,9 +75,10 @@ def write_atomic(path, data, running=True):
         os.replace(temporary, path)
         sync_folder(path.parent)
     except OSError as error:
+        raise OutputError(path, error, running) from None
+    finally:  # gone already, unless something stopped us
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
-        raise OutputError(path, error, running) from None
 
 
 def sync_folder(folder):

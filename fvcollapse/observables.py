@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fvcollapse.case import GRAVITY
+
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
@@ -191,7 +193,7 @@ def _negative_pressure(quantities, case):
     """Mask of the cells in suction: p below −1e-6 of the hydrostatic scale, above round-off."""
     return (
         quantities["pressure"]
-        < -1.0e-6 * case.rheology.density_bulk * 9.81 * case.geometry.height_0
+        < -1.0e-6 * case.rheology.density_bulk * GRAVITY * case.geometry.height_0
     )
 
 

@@ -80,6 +80,9 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
                 "nothing to do: the result is complete to t = %g s", previous.series["time"][-1]
             )
             return previous
+        if stored is not None and stored.state.time > case.time.end + SAME_TIME:
+            reached = f">= {stored.state.time:g}, the time already reached"
+            raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
         log_start(log, case, stored)
         job = Job(case, stored)
         keeper = Keeper(job, folder, log, checkpoint_interval)

@@ -49,8 +49,7 @@ _call_10 = _call_by_address(10)
 
 @njit(cache=True)
 def factorise(band, integers, addresses):
-    """Cholesky factor of the band in place; return LAPACK's info (0 = done, j > 0 = pivot j not
-    positive).
+    """Cholesky factor of the band in place; return LAPACK's info (0 = done, j > 0 = pivot j not positive).
 
     Parameters
     ----------

@@ -13,6 +13,7 @@ import math
 
 from numba import njit
 
+from .geometry import WET
 from .rheology import effective_viscosity, shear_rate_at_stress
 
 
@@ -97,7 +98,7 @@ def bed_friction(
         reaction = coverage = 0.0
         for cell in range(i - 1, min(i + 1, nx)):
             v = geometry.filled[cell, 0]
-            if v > 1.0e-8:
+            if v > WET:
                 share = geometry.lever_x[cell, 0] / v
                 if cell == i:
                     share = 1.0 - share
@@ -134,7 +135,7 @@ def back_wall_friction(
         reaction = coverage = 0.0
         for cell in range(k - 1, k + 1):
             v = geometry.filled[0, cell]
-            if v > 1.0e-8:
+            if v > WET:
                 share = geometry.lever_z[0, cell] / v
                 if cell == k:
                     share = 1.0 - share

@@ -1,14 +1,14 @@
 """Velocity and pressure of one step together: nonlinear sweeps over one banded Cholesky solve each.
 
-    rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,      0 <= p  perpendicular to  div u
-    >= 0
+    rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,
+    0 <= p  perpendicular to  div u >= 0
 
-Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves (A + r
-B^T B) u = f + B^T P for all active faces at once, then updates the multiplier P -= r B u (augmented
-Lagrangian, B = div). With a direct factorisation r may be far above any viscosity, so P is nearly
-exact after one sweep and no splitting error exists: a static state is static for any time step. A
-cell whose P turns negative is released (P = 0, free to open) and taken up again with P = 0 when it
-is being compressed; in the bilateral form every wet cell stays.
+Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves
+(A + r B^T B) u = f + B^T P for all active faces at once, then updates the multiplier
+P -= r B u (augmented Lagrangian, B = div). With a direct factorisation r may be far above any
+viscosity, so P is nearly exact after one sweep and no splitting error exists: a static state is
+static for any time step. A cell whose P turns negative is released (P = 0, free to open) and taken
+up again with P = 0 when it is being compressed; in the bilateral form every wet cell stays.
 """
 
 import math
@@ -19,6 +19,7 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
+from .geometry import WET
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
 from .strain import strain_rates
@@ -244,7 +245,7 @@ def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, 
     nx, nz = constrained.shape
     for i in range(nx):
         for k in range(nz):
-            wet = geometry.filled[i, k] > 1.0e-8
+            wet = geometry.filled[i, k] > WET
             if not wet:
                 pressure_filled[i, k] = 0.0
             constrained[i, k] = wet and (
@@ -265,7 +266,7 @@ def update_multiplier(
     for i in range(nx):
         for k in range(nz):
             multiplier[i, k] = 0.0
-            if geometry.filled[i, k] <= 1.0e-8:
+            if geometry.filled[i, k] <= WET:
                 continue
             div = divergence(u, w, geometry.aperture, i, k, dx, dz)
             if constrained[i, k]:

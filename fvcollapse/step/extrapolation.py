@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from .geometry import WET
 from .stencils import minmod
 
 LAYERS = 7  # the level-set band plus the reach of the advection stencils
@@ -15,8 +16,7 @@ SOLENOIDAL_LAYERS = (
 
 @njit(cache=True)
 def smooth_continuation(field, known, i, k):
-    """Continuation along the grid lines on which three known faces adjoin, averaged over these
-    lines.
+    """Continuation along the grid lines on which three known faces adjoin, averaged over these lines.
 
     The slope is continued with its own trend, but never steepened or reversed: shear that fades
     towards the surface keeps fading.
@@ -45,8 +45,7 @@ def smooth_continuation(field, known, i, k):
 
 @njit(cache=True)
 def extrapolate(field, known, layers):
-    """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the
-    neighbours' mean beyond.
+    """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the neighbours' mean beyond.
 
     The first layer moves the surface. Taking it constant would make a sheared, sloping surface
     systematically too slow and lose volume in proportion to the cell size.
@@ -90,8 +89,7 @@ def extrapolate(field, known, layers):
 
 @njit(cache=True)
 def mark_known(known_u, known_w, geometry, film_thickness, dz):
-    """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with
-    enough grains.
+    """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A film thinner than `film_thickness` (m) over two neighbouring x-faces is no continuum; it is
     carried along by the flow behind it instead of being stretched further.
@@ -114,8 +112,7 @@ def mark_known(known_u, known_w, geometry, film_thickness, dz):
 
 @njit(cache=True)
 def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
-    """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by
-    layer.
+    """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by layer.
 
     The outer faces of each empty cell (known later than the others) share the correction that
     closes its divergence.
@@ -127,7 +124,7 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
         add_w[:] = 0.0
         for i in range(nx):
             for k in range(nz):
-                if filled[i, k] > 1.0e-8:
+                if filled[i, k] > WET:
                     continue
                 top = max(
                     max(known_u[i, k], known_u[i + 1, k]), max(known_w[i, k], known_w[i, k + 1])

@@ -25,8 +25,7 @@ def initial_grid(case):
 
 
 def initial_level_set(case, grid):
-    """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the
-    grains.
+    """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the grains.
 
     The back wall and the bed are no surface: the column continues through them.
     """

@@ -1,5 +1,4 @@
-"""Friction of the channel's two lateral walls: -(2/w) mu_w [p]+ u/|u| in the momentum balance
-(equation 19).
+"""Friction of the channel's two lateral walls: -(2/w) mu_w [p]+ u/|u| in the momentum balance (equation 19).
 
 Width-averaged Coulomb friction, both velocity components together. By default it enters the
 implicit solve as a diagonal coefficient (2 mu_w / w) [p]+ / sqrt(|u|^2 + slip_min^2), refreshed in
@@ -36,7 +35,7 @@ def face_pressures(pressure_x, pressure_z, pressure_filled, geometry):
         for k in range(nz):
             v = geometry.filled[i, k]
             p = pressure_filled[i, k]
-            if v > 1.0e-8 and p > 0.0:
+            if v > WET and p > 0.0:
                 share = geometry.lever_x[i, k] / v
                 pressure_x[i, k] += (1.0 - share) * p * geometry.aperture[i, k]
                 pressure_x[i + 1, k] += share * p * geometry.aperture[i + 1, k]
@@ -107,8 +106,7 @@ def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, lea
 
 @njit(cache=True)
 def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, least_mass):
-    """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never
-    reverses.
+    """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never reverses.
 
     Parameters
     ----------

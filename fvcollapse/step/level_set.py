@@ -1,12 +1,11 @@
-"""The free surface: phi_t + u . grad phi = 0 at the nodes, signed distance restored where it has
-been lost.
+"""The free surface: phi_t + u . grad phi = 0 at the nodes, and phi kept a signed distance.
 
 Advection: WENO5 in space, TVD-RK3 in time, in a band around the surface. Restoring the distance:
-the Eikonal equation
-|grad phi| = 1 by Gauss-Seidel with second-order ENO differences whose stencil ends at the surface itself, located
-to sub-cell accuracy by quadratic interpolation, so that the surface does not move (Russo & Smereka
-2000; Min & Gibou 2007). The volume still drifts by O(h^2); `correct_volume` removes the drift where
-the surface moves. The walls and the bed are no surface: phi continues straight through them.
+|grad phi| = 1 by Gauss-Seidel with second-order ENO differences whose stencil ends at the surface
+itself, located to sub-cell accuracy by quadratic interpolation (Russo & Smereka 2000; Min & Gibou
+2007). The velocity of the surface is first-order accurate, so the volume drifts;
+`correct_volume` removes the drift where the surface moves. The walls and the bed are no surface:
+phi continues straight through them.
 """
 
 import math
@@ -54,7 +53,7 @@ def node_velocity(u_node, w_node, u, w):
 def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
     """Give every node of the band the velocity of its nearest surface point x - phi n (bilinear).
 
-    The surface moves as before, but phi stays a distance much longer, since its contours no longer
+    The surface moves as before to first order, but phi stays a distance much longer, since its contours no longer
     shear against each other.
     """
     nx, nz = phi.shape
@@ -208,8 +207,7 @@ def crossing(phi_0, phi_1, curvature, h):
 
 @njit(cache=True)
 def one_sided(extended, old, a, b, step_a, step_b, h):
-    """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards,
-    distance used).
+    """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards, distance used).
 
     If the surface lies between, the stencil ends on it.
     """
@@ -296,8 +294,7 @@ def volume(level_set):
 
 @njit(cache=True)
 def correct_volume(phi, mobility, target, h):
-    """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the
-    volume added.
+    """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
 
     Parameters
     ----------

@@ -84,8 +84,7 @@ def _rate_w(rate, field, u, w, phi, reach, dx, dz):
 
 @njit(cache=True)
 def advect_momentum(u_star, w_star, u, w, bed_slip, phi, reach, dt, dx, dz):
-    """(u*, w*) = velocity after pure advection over dt, at faces with level set below `reach`;
-    unchanged elsewhere.
+    """(u*, w*) = velocity after pure advection over dt, at faces with level set below `reach`; unchanged elsewhere.
 
     Parameters
     ----------

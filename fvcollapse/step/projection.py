@@ -1,10 +1,8 @@
-"""Velocity and pressure of one step in turn: rotational incremental projection, the reference
-method.
+"""Velocity and pressure of one step in turn: rotational incremental projection, the reference.
 
-    (rho M/dt + Visc + B^T W B + friction) u~ = rho M u*/dt + rho g M + B^T P        predictor B
-    (dt/(rho M)) B^T q = -B u~,    u = u~ + (dt/(rho M)) B^T q                     projection, so
-    that B u = 0 P <- P + q - W B u~,    W = chi V eta
-    rotational correction
+    predictor    (rho M/dt + Visc + B^T W B + friction) u~ = rho M u*/dt + rho g M + B^T P
+    projection   B (dt/(rho M)) B^T q = -B u~,   u = u~ + (dt/(rho M)) B^T q,   so that B u = 0
+    correction   P <- P + q - W B u~,   W = chi V eta
 
 with B = div on the faces, P = filled fraction * pressure and Visc the deviatoric part of div(2 eta
 D). All three lines are repeated in every nonlinear sweep (coefficients and P refreshed), so that

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from .geometry import WET
 from .ill_posedness import is_ill_posed
 from .rheology import effective_viscosity, inertial_number
 from .strain import shear_rate_centre, strain_rates
@@ -44,7 +45,7 @@ def fill_quantities(
         for k in range(nz):
             pressure[i, k] = shear_rate[i, k] = viscosity[i, k] = inertial[i, k] = 0.0
             ill_posed[i, k] = False
-            if filled[i, k] <= 1.0e-8:
+            if filled[i, k] <= WET:
                 continue
             rate = shear_rate_centre(e_centre, g_node, i, k)
             p = pressure_filled[i, k] / filled[i, k]

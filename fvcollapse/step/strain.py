@@ -9,6 +9,8 @@ import math
 
 from numba import njit
 
+from .geometry import WET
+
 
 @njit(cache=True)
 def node_is_interior(index_u, index_w, i, k):
@@ -35,7 +37,7 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     g_node[:] = 0.0
     for i in range(nx):
         for k in range(nz):
-            if geometry.filled[i, k] > 1.0e-8:
+            if geometry.filled[i, k] > WET:
                 e_centre[i, k] = 0.5 * (
                     (geometry.aperture[i + 1, k] * u[i + 1, k] - geometry.aperture[i, k] * u[i, k])
                     / dx

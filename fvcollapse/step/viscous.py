@@ -8,6 +8,7 @@ Everything is per unit volume: Pa/m per m/s.
 
 from numba import njit
 
+from .geometry import WET
 from .rheology import effective_viscosity
 from .strain import node_is_interior, shear_rate_centre, shear_rate_node
 
@@ -24,7 +25,7 @@ def viscosity_weights(
     for i in range(nx):
         for k in range(nz):
             v = filled[i, k]
-            if v > 1.0e-8:
+            if v > WET:
                 rate = shear_rate_centre(e_centre, g_node, i, k)
                 weight_centre[i, k] = v * effective_viscosity(
                     rate, pressure_filled[i, k] / v, material

@@ -39,6 +39,8 @@ def verify(names=None, json_path=None):
             raise InputError(
                 "command line", "NAME", name, f"a verification problem; the closest is {near}"
             )
+    if json_path is not None and not Path(json_path).absolute().parent.is_dir():
+        raise OutputError(json_path, "no such folder", running=False)
     rows = []
     print(HEADING)
     for name in names or by_name:

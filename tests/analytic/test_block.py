@@ -87,5 +87,7 @@ def test_wall_pressures_sum_to_the_volume_integral():
     geometry, last = simulation.geometry, simulation.gate_column - 1
     held = (filled[last] * geometry.lever_x[last] / geometry.filled[last].clip(1e-8)).sum()
     pressure_x, pressure_z = pressures
-    assert pressure_x.sum() + held == pytest.approx(total, rel=1e-12)  # the closed gate holds its share
+    assert pressure_x.sum() + held == pytest.approx(
+        total, rel=1e-12
+    )  # the closed gate holds its share
     assert pressure_z.sum() == pytest.approx(total, rel=1e-12)

@@ -1,0 +1,157 @@
+"""The shape of the code, read off its syntax trees: who may import whom, and what a kernel may be."""
+
+import ast
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import fvcollapse
+
+PACKAGE = Path(fvcollapse.__file__).parent
+
+# The data flow, which is the import rule: a line may import only from lines above it.
+LAYERS = (
+    "errors version",
+    "case_keys",
+    "case_rules",
+    "case",
+    "grid",
+    "state",
+    "step",
+    "simulation",
+    "observables files",
+    "recorder",
+    "checkpoint result xdmf console",
+    "output",
+    "drawing",
+    "pictures",
+    "verification",
+    "__init__",
+    "__main__",
+)
+RANK = {name: rank for rank, line in enumerate(LAYERS) for name in line.split()}
+OBJECTS = {"state", "grid", "case", "simulation", "recorder", "result", "self"}
+
+
+def module_name(path):
+    """Dotted name of a file inside the package: `step.gate`, `case`, `__init__`."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if len(parts) > 1 and parts[-1] == "__init__" else parts)
+
+
+FILES = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in FILES.items()}
+
+
+def imported(name, tree):
+    """Modules of the package that a module imports, also inside its functions."""
+    package = FILES[name].parent.relative_to(PACKAGE.parent).parts
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            dotted = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level] if node.level else ()
+            source = ".".join([*base, *([node.module] if node.module else [])])
+            dotted = [f"{source}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for full in dotted:
+            top, _, inner = full.partition(".")
+            if top == PACKAGE.name:
+                found.add(longest_module(inner))
+    return found - {name}
+
+
+def longest_module(dotted):
+    """The module in `module.name`: the longest beginning that is a file; else the package."""
+    while dotted and dotted not in FILES:
+        dotted = dotted.rpartition(".")[0]
+    return dotted or "__init__"
+
+
+def kernels():
+    """(module, function) of every compiled function."""
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                for decorator in node.decorator_list:
+                    if "jit" in ast.unparse(decorator).partition("(")[0]:
+                        yield pytest.param(node, decorator, id=f"{name}.{node.name}")
+
+
+KERNELS = list(kernels())
+
+
+def test_the_checks_see_the_code():
+    """A renamed folder or decorator must not make the tests below pass by finding nothing."""
+    assert len(KERNELS) > 50
+    assert imported("step.quantities", TREES["step.quantities"]) >= {"step.strain"}
+    assert imported("simulation", TREES["simulation"]) >= {"case", "state", "step.coupled"}
+
+
+def test_every_module_has_a_layer():
+    assert {name.partition(".")[0] for name in FILES} == set(RANK)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_imports_point_upwards(name):
+    rank = RANK[name.partition(".")[0]]
+    inside = name.partition(".")[0]
+    for other in imported(name, TREES[name]):
+        if other == "__init__":
+            assert name == "__main__", f"{name} imports the package itself"
+        elif other.partition(".")[0] != inside:
+            assert RANK[other.partition(".")[0]] < rank, f"{name} imports {other}"
+
+
+def test_no_import_cycle():
+    graph = {name: imported(name, tree) for name, tree in TREES.items()}
+    tuple(TopologicalSorter(graph).static_order())  # raises CycleError
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.startswith("step.")])
+def test_the_step_reads_and_writes_no_files(name):
+    text = FILES[name].read_text(encoding="utf-8")
+    calls = [ast.unparse(node.func) for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
+    assert "h5py" not in text
+    assert not {"open", "print"} & set(calls)
+
+
+@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
+def test_kernel_is_cached_and_exact(kernel, decorator):
+    """Fast arithmetic loses NaN checks; threads may change sums; without a cache each start waits."""
+    assert isinstance(decorator, ast.Call)
+    options = {option.arg: ast.unparse(option.value) for option in decorator.keywords}
+    assert options == {"cache": "True"}
+
+
+@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
+def test_kernel_takes_numbers_and_arrays_only(kernel, decorator):
+    arguments = kernel.args
+    names = {a.arg for a in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]}
+    assert not names & OBJECTS
+    assert arguments.vararg is None
+    assert arguments.kwarg is None
+    assert not arguments.defaults
+    used = {node.id for node in ast.walk(kernel) if isinstance(node, ast.Name)}
+    assert not used & OBJECTS
+    assert "prange" not in used
+
+
+@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
+def test_kernel_holds_no_strings_dicts_or_closures(kernel, decorator):
+    letters = {  # ord("L") is a number to the compiler
+        id(argument)
+        for node in ast.walk(kernel)
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "ord"
+        for argument in node.args
+    }
+    body = kernel.body[1:] if ast.get_docstring(kernel) else kernel.body
+    forbidden = (ast.Dict, ast.DictComp, ast.JoinedStr, ast.Lambda, ast.FunctionDef, ast.Global)
+    for statement in body:
+        for node in ast.walk(statement):
+            assert not isinstance(node, forbidden), f"line {node.lineno}"
+            is_text = isinstance(node, ast.Constant) and isinstance(node.value, str | bytes)
+            assert not is_text or id(node) in letters, f"line {node.lineno}"
