@@ -33,7 +33,7 @@ def new_figure(width, height):
 def png(figure):
     """The figure as PNG bytes."""
     stream = io.BytesIO()
-    figure.savefig(stream, format="png")
+    figure.savefig(stream, format="png", bbox_inches="tight")
     return stream.getvalue()
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fvcollapse.case import case_from_text
 from fvcollapse.files import reading, text_attribute
-from fvcollapse.observables import arrest_time
+from fvcollapse.observables import VELOCITY_WINDOW, arrest_time
 from fvcollapse.recorder import SERIES, check_layout
 
 FORMAT = "fvcollapse-result"
@@ -69,7 +69,13 @@ class Result:
     def summary(self):
         """The numbers of the summary table, SI units; `arrest_time` is None when not at rest."""
         series, steps = self.series, self.steps
-        peak = int(np.argmax(series["front_velocity"]))
+        time, half = series["time"], 0.5 * VELOCITY_WINDOW
+        centred = (time >= time[0] + half) & (
+            time <= time[-1] - half
+        )  # a one-sided slope is no peak
+        if not centred.any():
+            centred[:] = True
+        peak = int(np.argmax(np.where(centred, series["front_velocity"], -np.inf)))
         return {
             "complete": self.complete,
             "time": float(series["time"][-1]),

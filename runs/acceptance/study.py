@@ -15,6 +15,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 HERE = Path(__file__).parent
 SLOPES = (0, 10, 16, 19, 22)
@@ -156,6 +157,31 @@ def run_part(part, workers):
             print({key: value for key, value in row.items() if key != "settings"}, flush=True)
 
 
+def print_richardson(path):
+    """Observed order and extrapolated value of the grid study, where the three grids are monotone."""
+    rows = sorted(csv.DictReader(path.open()), key=lambda row: cell_size(row), reverse=True)
+    sizes = [cell_size(row) for row in rows]
+    for name in ("runout_10mm", "runout", "runout_1mm", "x_99", "peak_front_velocity"):
+        values = [float(row[name]) for row in rows]
+        coarse, fine = values[0] - values[1], values[1] - values[2]
+
+        def mismatch(order, ratio=coarse / fine):
+            a, b, c = (size**order for size in sizes)
+            return (a - b) / (b - c) - ratio
+
+        if coarse * fine <= 0.0 or mismatch(0.1) * mismatch(8.0) > 0.0:
+            print(f"{name}: {values}, no order (not monotone, or slower than 0.1)")
+            continue
+        order = brentq(mismatch, 0.1, 8.0)
+        limit = values[2] - fine * sizes[2] ** order / (sizes[1] ** order - sizes[2] ** order)
+        print(f"{name}: {values}, order {order:.2f}, extrapolated {limit:.4f}")
+
+
+def cell_size(row):
+    """Nominal cell size of a row of the grid study, m."""
+    return json.loads(row["settings"]).get("grid.cell_size", 0.006)
+
+
 def write(path, rows):
     """Write the rows, sorted by name, with all their columns."""
     columns = list(dict.fromkeys(itertools.chain.from_iterable(rows.values())))
@@ -172,3 +198,5 @@ if __name__ == "__main__":
     arguments = parser.parse_args()
     for name in arguments.parts:
         run_part(name, arguments.workers)
+        if name == "grid":
+            print_richardson(HERE / "grid.csv")
