@@ -78,7 +78,6 @@ class Outcome(NamedTuple):
     divergence: float
     residual: float
     info: int
-    released: int
     settled: bool
 
 
@@ -259,10 +258,9 @@ def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, 
 def update_multiplier(
     pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz
 ):
-    """P -= r div u where constrained, then release and take up cells; return (largest |div u|, changed cells)."""
+    """P -= r div u where constrained, then release and take up cells; return the largest |div u|."""
     nx, nz = constrained.shape
     largest = 0.0
-    changed = 0
     for i in range(nx):
         for k in range(nz):
             multiplier[i, k] = 0.0
@@ -276,14 +274,12 @@ def update_multiplier(
                     p = 0.0
                     if may_release:
                         constrained[i, k] = False
-                        changed += 1
                 else:
                     largest = max(largest, abs(div))
                 pressure_filled[i, k] = p
             elif div < 0.0:
                 constrained[i, k] = True
-                changed += 1
-    return largest, changed
+    return largest
 
 
 @njit(cache=True)
@@ -391,7 +387,7 @@ def solve(
     """
     start_constraints(work.constrained, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
     change = residual = div_max = math.inf
-    sweeps = info = changed = 0
+    sweeps = info = 0
     settled = False
     friction = math.inf
     film = (
@@ -417,7 +413,7 @@ def solve(
             break
         solve_factorised(rhs, band, work.integers, addresses)
         change, largest = take_solution(u, w, rhs, geometry)
-        div_max, changed = update_multiplier(
+        div_max = update_multiplier(
             pressure_filled,
             work.multiplier,
             work.constrained,
@@ -441,4 +437,4 @@ def solve(
         if sweep > 0 and settled:
             break
     residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
-    return Outcome(sweeps, change, div_max, residual, info, changed, settled)
+    return Outcome(sweeps, change, div_max, residual, info, settled)

@@ -157,5 +157,5 @@ def solve(state, work, unknowns, u_star, w_star, geometry, material, balance, dx
     work.multiplier[:] = pressure
     residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
     return Outcome(
-        sweep + 1, change, np.abs(div @ velocity).max(), residual, 0, 0, change < balance.tolerance
+        sweep + 1, change, np.abs(div @ velocity).max(), residual, 0, change < balance.tolerance
     )

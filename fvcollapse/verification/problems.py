@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.case import Case
+from fvcollapse.case import GRAVITY, Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
 from fvcollapse.verification import exact
@@ -111,7 +111,7 @@ def bagnold_errors(slope_angle_deg):
 
 def bagnold_gerris_errors(cells):
     """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors."""
-    unit = math.sqrt(9.81)
+    unit = math.sqrt(GRAVITY)
     case = layer_case(
         1.0 / cells,
         1.0,
