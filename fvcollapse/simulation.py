@@ -158,21 +158,22 @@ class Simulation:
     def _try_step(self, start, dt):
         self.state = state = start.copy()
         dx, dz = self.spacing
-        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
         self._repeat(state.level_set, state.u, state.w)
+        correction = self._move_surface(dt)
+        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
         advect_momentum(
             u_star,
             w_star,
             state.u,
             state.w,
             state.bed_slip,
+            self.geometry.aperture,
+            start.level_set,
             state.level_set,
-            3.0 * max(dx, dz),
             dt,
             dx,
             dz,
         )
-        correction = self._move_surface(dt)
         self._place(state.time + dt)
         outcome = self._solve(u_star, w_star, dt)
         self._continue_velocity()

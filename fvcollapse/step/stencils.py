@@ -1,18 +1,22 @@
-"""One-sided differences of Hamilton-Jacobi form, shared by the advection of the level set and of the momentum."""
+"""Upwind reconstructions, shared by the advection of the level set and of the momentum."""
 
 from numba import njit
 
+SMOOTH = 0.1
+
 
 @njit(cache=True)
-def derivative_weno3(m2, m1, c, p1, p2, velocity, h):
-    """Third-order WENO difference at c, biased against `velocity`; Jiang & Peng (2000). Units of c per h."""
-    if velocity >= 0.0:
-        a, b, d = (m1 - m2) / h, (c - m1) / h, (p1 - c) / h
-    else:
-        a, b, d = (p2 - p1) / h, (p1 - c) / h, (c - m1) / h
-    r = (1e-6 + (b - a) ** 2) / (1e-6 + (d - b) ** 2)
-    weight = 1.0 / (1.0 + 2.0 * r * r)
-    return 0.5 * (b + d) - 0.5 * weight * (a - 2.0 * b + d)
+def upwind_weno3(behind, here, ahead):
+    """Third-order WENO value at the side towards `ahead` of the cell whose mean is `here`; Jiang & Shu (1996).
+
+    Differences well below `SMOOTH` of the value itself count as smooth: without that floor the
+    weights drop the order to one beside every extremum.
+    """
+    back, front = here - behind, ahead - here
+    smooth = SMOOTH**2 * (behind * behind + here * here + ahead * ahead) + 1e-99
+    r = (smooth + back * back) / (smooth + front * front)
+    weight = 1.0 / (1.0 + 2.0 * r * r)  # of the one-sided value, 1/3 where smooth
+    return here + 0.5 * (weight * back + (1.0 - weight) * front)
 
 
 @njit(cache=True)

@@ -132,6 +132,9 @@ def measure(result, case):
         )
     }
     row["runout_1.76s"] = float(np.interp(1.76, t, series["runout"]))
+    row["front_curve"] = json.dumps(
+        np.interp(np.arange(0.1, t[-1] + 1e-9, 0.1), t, series["runout"]).round(4).tolist()
+    )
     row["peak_front_velocity"] = float(series["front_velocity"].max())
     row["rest_since"] = (
         float(t[still[-1] + 1]) if still.size and still[-1] + 1 < t.size else float("nan")
