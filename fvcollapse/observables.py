@@ -14,6 +14,9 @@ from fvcollapse.case import GRAVITY
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
+WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral")
+LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
+ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
 
 
@@ -153,7 +156,22 @@ def arrest_time(time, max_speed):
     return float(time[moving[-1] + 1]) if moving[-1] + 1 < len(time) else None
 
 
-def measure(state, grid, quantities, kinetic_energy, case):
+def numerical_loss(series):
+    """Energy that the run has lost to the discretisation since t = 0 [J/m]; negative where it gained.
+
+    Parameters
+    ----------
+    series : mapping of (n,) sequences
+        With `kinetic_energy`, `potential_energy` and the names in `ENERGY_SPENT`.
+    """
+    total = sum(
+        np.asarray(series[name], float)
+        for name in ("kinetic_energy", "potential_energy", *ENERGY_SPENT)
+    )
+    return total[0] - total if total.size else total
+
+
+def measure(state, grid, quantities, energies, case):
     """All instantaneous series values of one state, as a dict of floats.
 
     Parameters
@@ -162,8 +180,8 @@ def measure(state, grid, quantities, kinetic_energy, case):
         As in `Simulation`.
     quantities : dict of (nx, nz) arrays
         `Simulation.cell_quantities()`.
-    kinetic_energy : float
-        Per unit width [J/m].
+    energies : dict
+        `Simulation.energies()` [J/m].
     """
     filled = quantities["filled_fraction"]
     x = grid.dx * np.arange(grid.nx + 1)
@@ -182,7 +200,9 @@ def measure(state, grid, quantities, kinetic_energy, case):
         "detached_volume": detached_volume(x, h),
         "relative_volume": float(kept / state.volume_0 - 1.0),
         "volume_correction": float(state.volume_correction / state.volume_0),
-        "kinetic_energy": float(kinetic_energy),
+        "kinetic_energy": float(energies["kinetic"]),
+        "potential_energy": float(energies["potential"]),
+        **{name: getattr(state, name) for name in (*ENERGY_SPENT, *LOSSES)},
         "max_speed": float(speed[filled > 0.0].max(initial=0.0)),
         "ill_posed_fraction": _ratio((flowing * quantities["ill_posed"]).sum(), flowing.sum()),
         "negative_pressure_cells": int(_negative_pressure(quantities, case)[filled > 0.0].sum()),

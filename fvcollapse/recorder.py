@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.files import memory_file, write_dataset
-from fvcollapse.observables import front_velocity, measure, static_height, thickness
+from fvcollapse.observables import front_velocity, measure, numerical_loss, static_height, thickness
 
 SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
@@ -37,6 +37,25 @@ SERIES = {
     ),
     "volume_correction": ("1", "running sum of |volume corrections| / V(0), unsigned"),
     "kinetic_energy": ("J/m", "kinetic energy per unit width"),
+    "potential_energy": (
+        "J/m",
+        "potential energy per unit width, zero at the foot of the back wall",
+    ),
+    "work_bulk": ("J/m", "energy dissipated inside the grains since t = 0"),
+    "work_bed": ("J/m", "energy dissipated by slip along the bed since t = 0"),
+    "work_back_wall": ("J/m", "energy dissipated by slip along the back wall since t = 0"),
+    "work_lateral": ("J/m", "energy dissipated at the lateral walls since t = 0"),
+    "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
+    "loss_advection": ("J/m", "kinetic energy lost by the advection of momentum since t = 0"),
+    "loss_surface": (
+        "J/m",
+        "potential energy lost (negative: gained) by the motion and correction of the surface since t = 0",
+    ),
+    "energy_outflow": ("J/m", "energy that left through an open end since t = 0"),
+    "numerical_loss": (
+        "J/m",
+        "what closes the energy budget: all that is lost to the discretisation since t = 0",
+    ),
     "max_speed": ("m/s", "largest speed at the centre of a cell that holds grains"),
     "ill_posed_fraction": (
         "1",
@@ -44,6 +63,7 @@ SERIES = {
     ),
     "negative_pressure_cells": ("1", "number of cells in suction"),
 }
+DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
 PROFILES = {
     "thickness": ("m", "thickness h(X, t) normal to the bed"),
@@ -124,7 +144,7 @@ class Recorder:
     """
 
     def __init__(self):
-        self.series = {name: [] for name in SERIES if name != "front_velocity"}
+        self.series = {name: [] for name in SERIES if name not in DERIVED}
         self.steps = {}
         self.profile_times, self.x = [], np.zeros(0)
         self.profiles = {name: [] for name in PROFILES}
@@ -141,7 +161,7 @@ class Recorder:
             simulation.state,
             simulation.grid,
             quantities,
-            simulation.energies()["kinetic"],
+            simulation.energies(),
             simulation.case,
         )
         for name, source in RUNNING.items():
@@ -207,7 +227,8 @@ class Recorder:
     def write(self, file):
         """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
         columns = self.series | {
-            "front_velocity": front_velocity(self.series["time"], self.series["front_position"])
+            "front_velocity": front_velocity(self.series["time"], self.series["front_position"]),
+            "numerical_loss": numerical_loss(self.series),
         }
         for name, about in SERIES.items():
             write_dataset(file.require_group("series"), name, np.array(columns[name]), *about)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fvcollapse.case import case_from_text
 from fvcollapse.files import reading, text_attribute
-from fvcollapse.observables import VELOCITY_WINDOW, arrest_time
+from fvcollapse.observables import LOSSES, VELOCITY_WINDOW, WORKS, arrest_time
 from fvcollapse.recorder import SERIES, check_layout
 
 FORMAT = "fvcollapse-result"
@@ -91,6 +91,9 @@ class Result:
             "final_max_speed": float(series["max_speed"][-1]),
             "volume_error_max": float(np.abs(series["relative_volume"]).max()),
             "volume_correction": float(series["volume_correction"][-1]),
+            **{name: float(series[name][-1]) for name in LOSSES},
+            "numerical_loss": float(series["numerical_loss"][-1]),
+            "dissipation": float(sum(series[name][-1] for name in WORKS)),
             "detached_volume_max": float(series["detached_volume"].max()),
             "negative_pressure_cells_max": int(series["negative_pressure_cells"].max()),
             "steps": len(steps["dt"]),
@@ -125,6 +128,12 @@ def read_field_times(file):
     return np.array([fields[str(index)].attrs["time"] for index in range(len(fields))])
 
 
+def share_of_dissipation(summary, name):
+    """An energy of the summary as % of all that was dissipated."""
+    total = summary["dissipation"] + summary["numerical_loss"]
+    return 100.0 * summary[name] / total if total > 0.0 else 0.0
+
+
 def summary_rows(summary, case):
     """Name and value, as text, of each line of the summary table."""
     s = summary
@@ -151,6 +160,13 @@ def summary_rows(summary, case):
         ("arrest (below 1 mm/s)", arrest),
         ("largest volume error", f"{100 * s['volume_error_max']:.2e} %"),
         ("sum of |volume corrections|", f"{100 * s['volume_correction']:.3f} %"),
+        (
+            "energy lost to the discretisation",
+            f"{share_of_dissipation(s, 'numerical_loss'):.2f} % of the dissipation (time step "
+            f"{share_of_dissipation(s, 'loss_time'):.2f}, advection "
+            f"{share_of_dissipation(s, 'loss_advection'):.2f}, surface "
+            f"{share_of_dissipation(s, 'loss_surface'):.2f})",
+        ),
         ("largest detached volume", f"{100 * s['detached_volume_max']:.4f} %"),
         ("largest number of cells in suction", f"{s['negative_pressure_cells_max']}"),
         ("steps, sweeps", f"{s['steps']}, {s['sweeps']}"),

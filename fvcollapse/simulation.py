@@ -5,6 +5,7 @@ friction together in one implicit solve, so that a static state stays static for
 last the velocity is continued beyond the surface for the next step.
 """
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import lapack_addresses
+from .step.energy import loss_of_step, work_of_step
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
 from .step.geometry import (
@@ -80,6 +82,7 @@ class Simulation:
             self._settle()
         else:
             self._place(state.time)
+        self.energy = self.energies()
 
     @property
     def grid(self):
@@ -120,7 +123,7 @@ class Simulation:
         start = self.state.copy()
         dt = fit_to(time_limit, start.time, self._time_step())
         for _ in range(HALVINGS + 1):
-            outcome, correction = self._try_step(start, dt)
+            outcome, correction, energy = self._try_step(start, dt)
             if outcome.info == 0 and outcome.change <= CHANGE_LIMIT:
                 break
             dt *= 0.5
@@ -140,7 +143,7 @@ class Simulation:
                 "in the momentum solve",
                 start.time,
             )
-        state = self.state
+        state, self.energy = self.state, energy
         state.time = time_limit if abs(start.time + dt - time_limit) < 1e-12 else start.time + dt
         state.step = start.step + 1
         state.dt = dt
@@ -175,9 +178,16 @@ class Simulation:
             dz,
         )
         self._place(state.time + dt)
-        outcome = self._solve(u_star, w_star, dt)
+        balance = self._balance(dt)
+        impulse = self._split_friction(u_star, w_star, balance)
+        if impulse is not None:
+            balance = balance._replace(wall_strength=0.0)
+        outcome = self._solve(u_star, w_star, impulse, balance)
+        solved = self._book_energy(u_star, w_star, impulse, balance)
         self._continue_velocity()
-        return outcome, correction
+        energy = self.energies()
+        state.loss_advection += float(solved["kinetic"] - energy["kinetic"])
+        return outcome, correction, energy
 
     def _time_step(self):
         case, (dx, dz) = self.case, self.spacing
@@ -245,14 +255,18 @@ class Simulation:
         return added
 
     def _book_outflow(self, u_node, dt):
-        """Volume that crosses an open end during the step."""
-        if self.case.boundary.right_end == "open":
-            phi, dz = self.state.level_set[-1], self.spacing[1]
-            through = sum(
-                wetted_edge(phi[k], phi[k + 1]) * 0.5 * (u_node[-1, k] + u_node[-1, k + 1])
-                for k in range(phi.size - 1)
-            )
-            self.state.volume_outflow += max(through, 0.0) * dz * dt
+        """Volume and energy that cross an open end during the step."""
+        if self.case.boundary.right_end != "open":
+            return
+        phi, (dx, dz) = self.state.level_set[-1], self.spacing
+        speed = 0.5 * (u_node[-1, :-1] + u_node[-1, 1:])
+        wetted = np.array([wetted_edge(*ends) for ends in itertools.pairwise(phi)])
+        through = np.maximum(wetted * speed, 0.0) * dz * dt
+        gx, gz = self.gravity
+        potential = -gx * self.grid.nx * dx - gz * self.grid.z_centres
+        density = self.case.rheology.density_bulk
+        self.state.volume_outflow += through.sum()
+        self.state.energy_outflow += density * through @ (0.5 * speed**2 + potential)
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
@@ -281,34 +295,51 @@ class Simulation:
             geometry.last,
         )
 
-    def _solve(self, u_star, w_star, dt):
-        state, walls = self.state, self.case.effects.lateral_friction
-        balance = self._balance(dt)
-        if balance.wall_strength > 0.0 and walls.scheme == "split":
-            u_star, w_star = brake_before_solve(
-                u_star,
-                w_star,
-                state.pressure_filled,
-                self.work,
-                self.geometry,
-                balance,
-                coupled.MASS_FLOOR,
-                *self.spacing,
-            )
-            balance = balance._replace(wall_strength=0.0)
-        if self.case.numerics.method == "projection":
-            return projection.solve(
-                state,
-                self.work,
-                self.unknowns,
-                u_star,
-                w_star,
-                self.geometry,
-                self.material,
-                balance,
-                *self.spacing,
-            )
-        return self._solve_coupled(u_star, w_star, balance)
+    def _split_friction(self, u_star, w_star, balance):
+        """Change of velocity by the lateral walls before the solve; None where they act within it."""
+        walls = self.case.effects.lateral_friction
+        if balance.wall_strength == 0.0 or walls.scheme != "split":
+            return None
+        return brake_before_solve(
+            u_star,
+            w_star,
+            self.state.pressure_filled,
+            self.work,
+            self.geometry,
+            balance,
+            coupled.MASS_FLOOR,
+            *self.spacing,
+        )
+
+    def _solve(self, u_star, w_star, impulse, balance):
+        if impulse is not None:
+            u_star, w_star = u_star + impulse[0], w_star + impulse[1]
+        if self.case.numerics.method == "coupled":
+            return self._solve_coupled(u_star, w_star, balance)
+        return projection.solve(
+            self.state,
+            self.work,
+            self.unknowns,
+            u_star,
+            w_star,
+            self.geometry,
+            self.material,
+            balance,
+            *self.spacing,
+        )
+
+    def _book_energy(self, u_star, w_star, impulse, balance):
+        """Energy spent during the step: work against each resistance, and what the discretisation took."""
+        state, energy = self.state, self.energies()
+        work = work_of_step(self.work, state, self.geometry, impulse, balance, *self.spacing)
+        loss = loss_of_step(
+            self.energy, energy, state, u_star, w_star, self.geometry, balance, *self.spacing
+        )
+        for kind, terms in (("work", work), ("loss", loss)):
+            for name, value in terms._asdict().items():
+                total = getattr(state, f"{kind}_{name}") + float(value)
+                setattr(state, f"{kind}_{name}", total)
+        return energy
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state

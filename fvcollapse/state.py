@@ -19,6 +19,14 @@ SCALARS = {
     "volume_0": ("m2", "volume per unit width at t = 0"),
     "volume_correction": ("m2", "running sum of the absolute volume corrections"),
     "volume_outflow": ("m2", "volume that has left through an open end"),
+    "work_bulk": ("J/m", "work against the viscous stress inside the grains since t = 0"),
+    "work_bed": ("J/m", "work against the friction of the bed"),
+    "work_back_wall": ("J/m", "work against the friction of the back wall"),
+    "work_lateral": ("J/m", "work against the friction of the lateral walls"),
+    "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
+    "loss_advection": ("J/m", "kinetic energy lost by the advection of momentum"),
+    "loss_surface": ("J/m", "potential energy lost by the motion and correction of the surface"),
+    "energy_outflow": ("J/m", "energy that has left through an open end"),
     "travel": (
         "1",
         "cells the fastest point has moved since the signed distance was last restored",
@@ -42,6 +50,14 @@ class State:
     volume_0: float = 0.0
     volume_correction: float = 0.0
     volume_outflow: float = 0.0
+    work_bulk: float = 0.0
+    work_bed: float = 0.0
+    work_back_wall: float = 0.0
+    work_lateral: float = 0.0
+    loss_time: float = 0.0
+    loss_advection: float = 0.0
+    loss_surface: float = 0.0
+    energy_outflow: float = 0.0
     travel: float = 0.0
     travel_steps: int = 0
 

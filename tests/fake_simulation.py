@@ -102,7 +102,7 @@ class FakeSimulation:
         return cell_fractions(self.state.level_set).sum() * self.grid.dx * self.grid.dz
 
     def energies(self):
-        return {"kinetic": float((self.state.u**2).sum())}
+        return {"kinetic": float((self.state.u**2).sum()), "potential": -self.state.time}
 
     def cell_quantities(self):
         filled = cell_fractions(self.state.level_set)

@@ -203,7 +203,11 @@ def test_measure_of_the_spreading_triangle():
     case = Case().replace(**{"grid.cell_size": 0.01})
     simulation = FakeSimulation(case)
     row = observables.measure(
-        simulation.state, simulation.grid, simulation.cell_quantities(), 3.0, case
+        simulation.state,
+        simulation.grid,
+        simulation.cell_quantities(),
+        {"kinetic": 3.0, "potential": 2.0},
+        case,
     )
     long, top = 2 * case.geometry.length_0, case.geometry.height_0
     assert row["max_thickness"] == pytest.approx(top)
@@ -226,7 +230,7 @@ def test_measure_counts_suction_and_ill_posed_volume():
     quantities["pressure"][2, :2] = -5.0
     quantities["pressure"][3, 0] = -1e-9  # round-off is no suction
     state.volume_outflow = 0.1 * state.volume_0
-    row = observables.measure(state, simulation.grid, quantities, 0.0, case)
+    row = observables.measure(state, simulation.grid, quantities, simulation.energies(), case)
     filled = quantities["filled_fraction"]
     assert row["ill_posed_fraction"] == pytest.approx(filled[:, 0].sum() / filled.sum())
     assert row["negative_pressure_cells"] == 2

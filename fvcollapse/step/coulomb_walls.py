@@ -115,6 +115,7 @@ def bed_friction(
 @njit(cache=True)
 def back_wall_friction(
     k_wall,
+    wall_slip,
     w,
     pressure_filled,
     weight_centre,
@@ -126,9 +127,10 @@ def back_wall_friction(
     mu_wall,
     dx,
 ):
-    """Friction coefficients (nz + 1,) of the z-faces beside the back wall, Pa s/m."""
+    """Friction coefficients (nz + 1,) of the z-faces beside the back wall, Pa s/m, and slip speeds, m/s."""
     nz = pressure_filled.shape[1]
     k_wall[:] = 0.0
+    wall_slip[:] = 0.0
     for k in range(1, nz):
         if geometry.index_w[0, k] < 0:
             continue
@@ -143,6 +145,6 @@ def back_wall_friction(
                     pressure_filled, weight_centre, e_centre, geometry, cell, gx, density, dx
                 )
                 coverage += share * geometry.wall_cover[cell]
-        k_wall[k], _ = friction_coefficient(
+        k_wall[k], wall_slip[k] = friction_coefficient(
             abs(w[0, k]), 0.5 * dx, reaction, coverage, mu_wall, material
         )

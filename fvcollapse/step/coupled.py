@@ -57,6 +57,7 @@ class Work(NamedTuple):
     weight_node: np.ndarray
     k_bed: np.ndarray
     k_wall: np.ndarray
+    wall_slip: np.ndarray
     pressure_x: np.ndarray
     pressure_z: np.ndarray
     sink_x: np.ndarray
@@ -89,6 +90,7 @@ def allocate_work(nx, nz):
         np.zeros((nx, nz)),
         np.zeros((nx + 1, nz + 1)),
         np.zeros(nx + 1),
+        np.zeros(nz + 1),
         np.zeros(nz + 1),
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
@@ -129,6 +131,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
     )
     back_wall_friction(
         work.k_wall,
+        work.wall_slip,
         w,
         pressure_filled,
         work.weight_centre,

@@ -140,7 +140,7 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
 def brake_before_solve(
     u_star, w_star, pressure_filled, work, geometry, balance, least_mass, dx, dz
 ):
-    """Velocity (u, w) = u* plus the friction impulse of the split form; the solve then has no sink of its own."""
+    """Change of velocity (u, w) by the friction impulse of the split form; the solve then has no sink of its own."""
     free = np.empty_like(u_star), np.empty_like(w_star)
     braked = np.empty_like(u_star), np.empty_like(w_star)
     predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, least_mass, dx, dz)
@@ -155,4 +155,4 @@ def brake_before_solve(
         least_mass,
     )
     work.sink_x[:] = work.sink_z[:] = 0.0
-    return u_star + (braked[0] - free[0]), w_star + (braked[1] - free[1])
+    return braked[0] - free[0], braked[1] - free[1]
