@@ -10,7 +10,12 @@ from contextlib import contextmanager, suppress
 
 from tqdm import tqdm
 
-from fvcollapse.errors import OutputError
+try:
+    import fcntl
+except ImportError:  # not on Windows, where an open log cannot be shared anyway
+    fcntl = None
+
+from fvcollapse.errors import InputError, OutputError
 from fvcollapse.version import __version__
 
 LOG = "run.log"
@@ -30,12 +35,26 @@ class LogFile(logging.FileHandler):
 
 @contextmanager
 def run_log(folder):
-    """Make the folder and append to its run.log."""
+    """Make the folder and append to its run.log, which only one run at a time may hold.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written.
+    InputError
+        Another run is writing there.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handler = LogFile(folder / LOG, encoding="utf-8")
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
+    try:
+        if fcntl is not None:
+            fcntl.flock(handler.stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        handler.close()
+        raise InputError(folder, "folder", "another run that writes there", "a free one") from None
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     log = logging.Logger("fvcollapse", logging.INFO)  # not registered: one per run
     log.addHandler(handler)

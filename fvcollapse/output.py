@@ -6,6 +6,7 @@ interrupted or fails, and at the end.
 """
 
 import io
+import sys
 import time
 import tomllib
 from pathlib import Path
@@ -232,12 +233,19 @@ def usable_checkpoint(folder, log):
     """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
     path = folder / CHECKPOINT
     if not path.exists():
+        tell(log, f"{path}: no checkpoint; the run starts from t = 0")
         return None
     try:
         return read_checkpoint(path)
     except InputError as error:
-        log.warning("checkpoint not usable: %s", error)
+        tell(log, f"checkpoint not usable, the run starts from t = 0: {error}")
         return None
+
+
+def tell(log, message):
+    """A warning in the log and on stderr."""
+    log.warning("%s", message)
+    print(message, file=sys.stderr)
 
 
 def finished_result(case, folder, stored, log):

@@ -121,6 +121,13 @@ class Simulation:
         """
         self._make_room()
         start = self.state.copy()
+        try:
+            return self._advance(start, time_limit)
+        except ArithmeticError as error:  # of a compiled kernel
+            self.state = start
+            raise NumericalError(f"{error} in a kernel", time=start.time) from error
+
+    def _advance(self, start, time_limit):
         dt = fit_to(time_limit, start.time, self._time_step())
         for _ in range(HALVINGS + 1):
             outcome, correction, energy = self._try_step(start, dt)

@@ -84,9 +84,7 @@ def test_the_budget_of_a_collapse_is_closed_by_its_own_terms(scheme):
     while simulation.state.time < 0.5:
         simulation.advance(0.5)
         state = simulation.state
-        works.append(
-            [state.work_bulk, state.work_bed, state.work_back_wall, state.work_lateral]
-        )
+        works.append([state.work_bulk, state.work_bed, state.work_back_wall, state.work_lateral])
     spent = works[-1]
     missing = start - sum(simulation.energies().values()) - sum(spent)
     booked = state.loss_time + state.loss_advection + state.loss_surface

@@ -2,10 +2,20 @@
 
 import pickle
 
+import numpy as np
 import pytest
 
 from fvcollapse import __main__ as command_line
-from fvcollapse.errors import CaseError, FvcollapseError, NumericalError, OutputError
+from fvcollapse.case import Case
+from fvcollapse.console import run_log
+from fvcollapse.errors import (
+    CaseError,
+    FvcollapseError,
+    InputError,
+    NumericalError,
+    OutputError,
+)
+from fvcollapse.simulation import Simulation
 
 ERRORS = [
     (CaseError("a.toml", "grid.cell_size", "-1", "> 0"), 2),
@@ -48,3 +58,23 @@ def test_interruption_is_130(monkeypatch, capsys):
     monkeypatch.setattr(command_line, "keys", interrupt)
     assert command_line.main(["keys"]) == 130
     assert capsys.readouterr().err == "interrupted\n"
+
+
+def test_a_folder_takes_one_run_at_a_time(tmp_path):
+    with run_log(tmp_path), pytest.raises(InputError, match="another run"), run_log(tmp_path):
+        pass
+    with run_log(tmp_path):  # free again
+        pass
+
+
+def test_arithmetic_errors_of_kernels_are_named(monkeypatch):
+    simulation = Simulation(Case().replace(**{"grid.cell_size": 0.03}))
+    before = simulation.state
+
+    def divide(dt):
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(simulation, "_try_step", lambda start, dt: divide(dt))
+    with pytest.raises(NumericalError, match=r"division by zero.*t = 0"):
+        simulation.advance(1.0)
+    assert np.array_equal(simulation.state.level_set, before.level_set)
