@@ -59,6 +59,18 @@ def _filled_half(phi, i, k, side):
 
 
 @njit(cache=True)
+def _dry_cell(phi, i, k):
+    return min(min(phi[i, k], phi[i + 1, k]), min(phi[i, k + 1], phi[i + 1, k + 1])) >= 0.0
+
+
+@njit(cache=True)
+def _dry_node(phi, i, k):
+    """Whether the node (0 < k < nz) and its four neighbours are dry."""
+    left, right = phi[max(i - 1, 0), k], phi[min(i + 1, phi.shape[0] - 1), k]
+    return min(phi[i, k], min(min(left, right), min(phi[i, k - 1], phi[i, k + 1]))) >= 0.0
+
+
+@njit(cache=True)
 def control_masses(mass_u, mass_w, phi):
     """Filled area of the control volume of every face, in cells."""
     nx, nz = phi.shape[0] - 1, phi.shape[1] - 1
@@ -66,7 +78,7 @@ def control_masses(mass_u, mass_w, phi):
     mass_w[:] = 0.0
     for i in range(nx):
         for k in range(nz):
-            if min(min(phi[i, k], phi[i + 1, k]), min(phi[i, k + 1], phi[i + 1, k + 1])) >= 0.0:
+            if _dry_cell(phi, i, k):
                 continue
             mass_u[i, k] += _filled_half(phi, i, k, 0)
             mass_u[i + 1, k] += _filled_half(phi, i, k, 1)
@@ -97,18 +109,24 @@ def mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, p
     """
     nx, nz = along_u.shape
     x, z = 0.5 * dt / dx, 0.5 * dt / dz  # the halves: of the two surfaces
+    along_u[:] = 0.0
+    along_w[:] = 0.0
+    across_u[:] = 0.0
+    across_w[:] = 0.0
     for i in range(nx):
         for k in range(nz):
+            if _dry_cell(phi_old, i, k) and _dry_cell(phi_new, i, k):
+                continue
             upright = _wetted_upright(phi_old, i, k) + _wetted_upright(phi_new, i, k)
             level = _wetted_level(phi_old, i, k) + _wetted_level(phi_new, i, k)
             along_u[i, k] = (
                 x * upright * _mean(aperture[i, k] * u[i, k], aperture[i + 1, k] * u[i + 1, k])
             )
             along_w[i, k] = z * level * _mean(w[i, k], w[i, k + 1])
-    across_u[:] = 0.0
-    across_w[:] = 0.0
     for i in range(nx + 1):
         for k in range(1, nz):
+            if _dry_node(phi_old, i, k) and _dry_node(phi_new, i, k):
+                continue
             for phi in (phi_old, phi_new):
                 if i > 0:
                     across_u[i, k] += 0.5 * z * _wetted_half(phi, i, k, i - 1, k) * w[i - 1, k]
