@@ -11,7 +11,8 @@ The iteration of the paper does not settle when r_32 exceeds the square of r_21,
 point is bracketed instead: both sides differ by a function that only grows with p, which makes it
 unique. One deviation: the paper takes the modulus of the right-hand side, and would so give a
 positive order to differences that grow on refinement. Here the sign is kept, a fixed point p <= 0
-is called diverging, and nothing is extrapolated from it.
+is called diverging, and nothing is extrapolated from it. An order far from the formal one of the
+scheme means that the sizes are not in the asymptotic range, and the index is then no bound.
 """
 
 import math

@@ -23,6 +23,7 @@ NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci
 ROLES = ("coarse", "medium", "fine")
 LOGARITHMIC = ("shear_rate_min", "tolerance")  # axes that are varied by decades
 NAME = "converge"
+RATIO_LEAST = 1.3  # recommended by Celik et al. (2008)
 
 
 def write_report(records, axis, case, folder, json_path=None):
@@ -93,7 +94,17 @@ def table(records, axis, case):
     for name, record in records.items():
         for triplet in record["triplets"]:
             outcomes.append([label(name, case), *outcome_cells(triplet, axis)])
-    return f"{aligned(rows)}\n\n{aligned(outcomes)}"
+    return "\n\n".join([aligned(rows), aligned(outcomes), *remarks(values, axis)])
+
+
+def remarks(values, axis):
+    """What the reader of the table must be warned of."""
+    ratios = [coarse / fine for coarse, fine in zip(values, values[1:], strict=False)]
+    if AXES[axis].size is not None and min(ratios) < RATIO_LEAST:
+        yield (
+            f"Neighbouring values differ by less than {RATIO_LEAST:g} times: "
+            "the orders magnify what is not smooth in the values."
+        )
 
 
 def outcome_cells(triplet, axis):
@@ -156,6 +167,8 @@ def draw_record(axes, record, axis, scale):
         size, value = points[-1]
         axes.errorbar(size, value, record["gci"] * (scale or abs(value)), color=BLUE, capsize=4)
         axes.axhline(record["extrapolated"], color=ORANGE, ls="--", lw=1.0)
+    if scale is not None:
+        axes.set_ylim(bottom=0.0)  # a distance
     if record["order"] is not None:
         text += f", p = {record['order']:.2f}"
     axes.text(0.03, 0.03, text, transform=axes.transAxes, fontsize="small")
