@@ -207,8 +207,9 @@ def converge(arguments):
         quiet=arguments.quiet,
         source=str(arguments.case),
     )
+    paths = write_report(records, axis, case, folder, arguments.json)
     print(f"\n{table(records, axis, case)}\n")
-    for path in write_report(records, axis, case, folder, arguments.json):
+    for path in paths:
         print(path)
     return 0
 

@@ -16,8 +16,8 @@ Each axis has its own meaning of "refinement size":
 
 import math
 import multiprocessing
+import os
 import signal
-import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -149,7 +149,8 @@ def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
         return
     before = set(multiprocessing.active_children())
     handler = signal.signal(signal.SIGTERM, interrupt)
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), leave_quietly)
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, leave_interrupts_to_the_parent)
     try:
         # the finest takes longest: it starts first
         futures = {pool.submit(run, cases[folder], folder): folder for folder in reversed(cases)}
@@ -183,9 +184,11 @@ def interrupt(number, frame):
     raise KeyboardInterrupt
 
 
-def leave_quietly():
-    """Let Ctrl-C end an idle worker without a traceback; a marching run has its own handler."""
-    signal.signal(signal.SIGINT, lambda number, frame: sys.exit(130))
+def leave_interrupts_to_the_parent():
+    """Keep Ctrl-C from a worker: it gets one signal, from the parent, that it answers by saving."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.name == "posix":
+        os.setpgid(0, 0)  # a marching run has its own handler of SIGINT, which this keeps idle
 
 
 # -- the study -----------------------------------------------------------------------------------
