@@ -12,7 +12,9 @@ point is bracketed instead: both sides differ by a function that only grows with
 unique. One deviation: the paper takes the modulus of the right-hand side, and would so give a
 positive order to differences that grow on refinement. Here the sign is kept, a fixed point p <= 0
 is called diverging, and nothing is extrapolated from it. An order far from the formal one of the
-scheme means that the sizes are not in the asymptotic range, and the index is then no bound.
+scheme means that the sizes are not in the asymptotic range. A large one makes the index needlessly
+small (two values that happen to agree), so beside it stands the index with the order limited to the
+formal 2.
 """
 
 import math
@@ -22,6 +24,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 SAFETY = 1.25  # factor of the index for three grids or more
+FORMAL_ORDER = 2.0  # the highest of any term of the scheme
 ROUND_OFF = 1.0e-12  # relative; differences below it are none
 
 
@@ -44,6 +47,8 @@ class Convergence(NamedTuple):
         |phi_ext - phi_1| / |phi_ext|.
     gci : float
         Index of the finest of the three: 1.25 relative_error / (r_21^p - 1).
+    gci_limited : float
+        The same with p at most 2.
     """
 
     behaviour: str
@@ -52,6 +57,7 @@ class Convergence(NamedTuple):
     relative_error: float | None = None
     extrapolated_error: float | None = None
     gci: float | None = None
+    gci_limited: float | None = None
 
 
 def successive(sizes, values, scale=None):
@@ -86,13 +92,14 @@ def convergence(sizes, values, scale=None):
     error = relative(fine - medium, fine, scale)
     none = ROUND_OFF * max(abs(value) for value in values)
     if abs(eps_32) <= none and abs(eps_21) <= none:
-        return Convergence("unchanged", None, fine, 0.0, 0.0, 0.0)
+        return Convergence("unchanged", None, fine, 0.0, 0.0, 0.0, 0.0)
     if abs(eps_32) <= none or abs(eps_21) <= none:
         return Convergence("undetermined", relative_error=error)
     order = observed_order(sizes, eps_32 / eps_21)
     if order <= 0.0:
         return Convergence("diverging", order, relative_error=error)
-    growth = math.expm1(min(order * math.log(sizes[1] / sizes[2]), 700.0))  # r_21^p - 1
+    growth = growth_less_one(sizes, order)
+    limited = growth_less_one(sizes, min(order, FORMAL_ORDER))
     extrapolated = fine - eps_21 / growth
     return Convergence(
         "monotone" if eps_32 * eps_21 > 0.0 else "oscillatory",
@@ -101,7 +108,13 @@ def convergence(sizes, values, scale=None):
         error,
         relative(extrapolated - fine, extrapolated, scale),
         None if error is None else SAFETY * error / growth,
+        None if error is None else SAFETY * error / limited,
     )
+
+
+def growth_less_one(sizes, order):
+    """r_21^p - 1, without overflow."""
+    return math.expm1(min(order * math.log(sizes[1] / sizes[2]), 700.0))
 
 
 def differences(values, scale=None):

@@ -19,7 +19,7 @@ LABELS = {
     "arrest_time": "arrest time",
     PROFILE: "profile L1 to the finest",
 }
-NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci")
+NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci", "gci_limited")
 ROLES = ("coarse", "medium", "fine")
 LOGARITHMIC = ("shear_rate_min", "tolerance")  # axes that are varied by decades
 NAME = "converge"
@@ -89,7 +89,7 @@ def table(records, axis, case):
         first = f"{label(name, case)} ({record['unit']})"
         measured = [digits(value) for value in record["value"]]
         rows.append([first, *measured, percent(record["spread"])])
-    heads = ["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI"]
+    heads = ["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI", "GCI p<=2"]
     outcomes = [heads]
     for name, record in records.items():
         for triplet in record["triplets"]:
@@ -110,7 +110,7 @@ def remarks(values, axis):
 def outcome_cells(triplet, axis):
     """The cells of one line of the second block."""
     order = "-" if triplet["order"] is None else f"{triplet['order']:.2f}"
-    errors = [percent(triplet[name]) for name in ("relative_error", "extrapolated_error", "gci")]
+    errors = [percent(triplet[name]) for name in NUMBERS[2:]]
     sizes = " ".join(f"{value:g}" for value in triplet[axis])
     return [sizes, triplet["behaviour"], order, digits(triplet["extrapolated"]), *errors]
 

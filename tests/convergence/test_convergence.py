@@ -33,7 +33,7 @@ def test_published_example(name):
     assert found.behaviour == ("oscillatory" if name == "oscillatory" else "monotone")
     assert found.order == pytest.approx(order, abs=0.006)
     assert found.extrapolated == pytest.approx(extrapolated, abs=6e-4)
-    for number, percent in zip(found[3:], errors, strict=True):
+    for number, percent in zip(found[3:6], errors, strict=True):
         assert 100 * number == pytest.approx(percent, abs=0.06)
 
 
@@ -46,6 +46,9 @@ def test_power_law_gives_its_order_and_limit(order, r_21, r_32, limit, constant)
     assert found.extrapolated == pytest.approx(limit, abs=1e-6)
     # with the exact order the index is 1.25 times the true error of the finest value
     assert found.gci == pytest.approx(1.25 * abs(constant), rel=1e-5)
+    limited = found.relative_error * 1.25 / (r_21 ** min(found.order, 2.0) - 1.0)
+    assert found.gci_limited == pytest.approx(limited, rel=1e-6)
+    assert found.gci_limited >= found.gci
 
 
 def test_ratios_on_which_the_plain_iteration_does_not_settle():
