@@ -9,7 +9,7 @@ import os
 import sys
 from pathlib import Path
 
-from fvcollapse.errors import FvcollapseError, InputError, one_line
+from fvcollapse.errors import FvcollapseError, InputError, OutputError, one_line
 from fvcollapse.version import __version__
 
 
@@ -51,6 +51,7 @@ def command_line():
     add_run(commands)
     add_plot(commands)
     add_verify(commands)
+    add_converge(commands)
     add_keys(commands)
     return parser
 
@@ -150,6 +151,67 @@ def verify(arguments):
 
     rows = verify_problems(arguments.names, arguments.json)
     return 0 if all(row["passed"] for row in rows) else 1
+
+
+def add_converge(commands):
+    """`converge`: one case at several values of one numerical parameter."""
+    parser = commands.add_parser(
+        "converge",
+        help="refine one numerical parameter; observed order and GCI of each observable",
+        description=converge.__doc__,
+    )
+    parser.add_argument("case", metavar="CASE.toml", type=Path, help="case file")
+    axes = parser.add_mutually_exclusive_group(required=True)
+    for option, what in (
+        ("--cell-size", "cell sizes [m]"),
+        ("--time-step", "longest time steps [s]"),
+        ("--shear-rate-min", "shear rates of the regularisation [1/s]"),
+        ("--tolerance", "tolerances of the nonlinear iteration"),
+    ):
+        axes.add_argument(option, metavar="VALUE", nargs="+", type=float, help=what)
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        metavar="section.key=value",
+        action="append",
+        default=[],
+        help="change one key of the case; may be repeated",
+    )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="default out/<name of the case>_<parameter>"
+    )
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the table there as well")
+    parser.add_argument("--workers", metavar="N", type=int, default=1, help="processes; default 1")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=converge)
+
+
+def converge(arguments):
+    """Run a case at three or more values of one parameter; print and write the convergence."""
+    from fvcollapse.case import load_case
+
+    case = load_case(arguments.case, arguments.overrides)
+    if arguments.json is not None and not arguments.json.absolute().parent.is_dir():
+        raise OutputError(arguments.json, "no such folder", running=False)
+    from fvcollapse.refinement import AXES, refine
+    from fvcollapse.refinement_report import table, write_report
+
+    axis = next(name for name in AXES if getattr(arguments, name) is not None)
+    folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
+    records = refine(
+        case,
+        axis,
+        getattr(arguments, axis),
+        folder,
+        workers=arguments.workers,
+        quiet=arguments.quiet,
+        source=str(arguments.case),
+    )
+    paths = write_report(records, axis, case, folder, arguments.json)
+    print(f"\n{table(records, axis, case)}\n")
+    for path in paths:
+        print(path)
+    return 0
 
 
 def add_keys(commands):

@@ -1,0 +1,280 @@
+"""The same case at several values of one numerical parameter: runs, observables, their convergence.
+
+Each axis has its own meaning of "refinement size":
+
+- `cell_size`: the root of the cell area, as the grid really has it (the gate is a grid line). A
+  `cell_size_z` in the case is scaled along. The time step is left to its own limits, so where they
+  follow the cells, space and time are refined together.
+- `time_step`: the mean step that was taken, because shorter limits (motion of the surface, gate)
+  may hold for part of a run; "not refined" where the longest step was not what limited. The index
+  is then one of the time step at a fixed grid.
+- `shear_rate_min`: the value itself. Order and extrapolation belong to the limit of vanishing
+  regularisation, at a fixed grid.
+- `tolerance`: none. The error left by an iteration is bounded by the tolerance but is no power of
+  it: only differences are given.
+"""
+
+import math
+import multiprocessing
+import os
+import signal
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from fvcollapse.convergence import profile_distance, spread, successive
+from fvcollapse.errors import CaseError, InputError, NumericalError, OutputError
+from fvcollapse.grid import spacing
+from fvcollapse.output import RESULT, run_case
+from fvcollapse.recorder import SAME_TIME
+from fvcollapse.result import open_result
+
+
+def cell_root(result):
+    """Root of the area of a cell [m], with the sizes that the grid really has."""
+    return math.sqrt(math.prod(spacing(result.case)))
+
+
+def mean_step(result):
+    """Mean time step that was taken [s]."""
+    return float(result.series["time"][-1] / max(1, len(result.steps["dt"])))
+
+
+def shear_rate_min(result):
+    """Shear rate of the regularisation [1/s]."""
+    return result.case.numerics.shear_rate_min
+
+
+class Axis(NamedTuple):
+    """What is refined: key of the case, unit, and refinement size of a result (None: no order)."""
+
+    key: str
+    unit: str
+    size: object
+
+
+AXES = {
+    "cell_size": Axis("grid.cell_size", "m", cell_root),
+    "time_step": Axis("time.step_max", "s", mean_step),
+    "shear_rate_min": Axis("numerics.shear_rate_min", "1/s", shear_rate_min),
+    "tolerance": Axis("numerics.tolerance", "1", None),
+}
+OBSERVABLES = {  # keys of the summary, and their units
+    "runout_10mm": "m",
+    "runout": "m",
+    "runout_1mm": "m",
+    "x_99": "m",
+    "final_thickness": "m",
+    "peak_front_velocity": "m/s",
+    "arrest_time": "s",
+}
+PROFILE = "profile_l1"
+UNITS = OBSERVABLES | {PROFILE: "1"}
+SAME_VALUE = 1.0e-9  # relative
+
+
+# -- the members ---------------------------------------------------------------------------------
+
+
+def checked_values(axis, values):
+    """The values from coarse to fine; at least three, positive, all different.
+
+    Raises
+    ------
+    InputError
+    """
+    option = f"--{axis.replace('_', '-')}"
+
+    def refuse(found, allowed):
+        raise InputError("command line", option, found, allowed)
+
+    for value in values:
+        if not (math.isfinite(value) and value > 0.0):
+            refuse(f"{value:g}", "positive numbers")
+    if len(values) < 3:
+        refuse(f"{len(values)} of them", "at least three values")
+    ordered = sorted(values, reverse=True)
+    for coarse, fine in zip(ordered, ordered[1:], strict=False):
+        if coarse <= fine * (1.0 + SAME_VALUE):
+            refuse(f"{fine:g} twice", "different values")
+    return ordered
+
+
+def member_case(case, axis, value, source="case"):
+    """The case at one value of an axis; `source` is the file that errors name.
+
+    Raises
+    ------
+    CaseError
+        The value is out of the range of the key.
+    """
+    changes = {AXES[axis].key: value}
+    if axis == "cell_size" and case.grid.cell_size_z is not None:
+        changes["grid.cell_size_z"] = case.grid.cell_size_z * value / case.grid.cell_size
+    try:
+        return case.replace(**changes)
+    except CaseError as error:
+        origin = f"{source} with --{axis.replace('_', '-')} {value:g}"
+        raise CaseError(origin, error.key, error.found, error.allowed) from None
+
+
+def run_member(case, folder, quiet=True):
+    """Run a case into its folder, or continue it; nothing is done if it is finished.
+
+    Raises
+    ------
+    InputError
+        The folder holds a run of another case, or one to a later end.
+    """
+    result = run_case(case, folder, resume=True, quiet=quiet)
+    if result.case.time.end > case.time.end + SAME_TIME:
+        found = f"{case.time.end:g}"
+        allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"
+        raise InputError(Path(folder) / RESULT, "time.end", found, allowed)
+
+
+def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
+    """Run what is not finished of {folder: case}; the first failure ends the study.
+
+    What is finished is kept; a member that was running leaves its checkpoint. The next call
+    continues both.
+    """
+    if workers == 1:
+        for folder, case in cases.items():
+            with named(folder):
+                run(case, folder, quiet)
+            tell(f"{folder}: done")
+        return
+    before = set(multiprocessing.active_children())
+    handler = signal.signal(signal.SIGTERM, interrupt)
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, leave_interrupts_to_the_parent)
+    try:
+        # the finest takes longest: it starts first
+        futures = {pool.submit(run, cases[folder], folder): folder for folder in reversed(cases)}
+        for future in as_completed(futures):
+            with named(futures[future]):
+                future.result()
+            tell(f"{futures[future]}: done")
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - before:
+            child.terminate()  # a member that is marching saves its state first
+        raise
+    finally:
+        pool.shutdown()
+        signal.signal(signal.SIGTERM, handler)
+
+
+@contextmanager
+def named(folder):
+    """Add the folder of a member to what failed in it."""
+    try:
+        yield
+    except NumericalError as error:
+        raise NumericalError(f"{folder}: {error.what}", error.where, error.time) from None
+    except BrokenProcessPool:
+        raise NumericalError(f"{folder}: the process was killed (memory?)") from None
+
+
+def interrupt(number, frame):
+    """End a study on SIGTERM as Ctrl-C does."""
+    raise KeyboardInterrupt
+
+
+def leave_interrupts_to_the_parent():
+    """Keep Ctrl-C from a worker: it gets one signal, from the parent, that it answers by saving."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.name == "posix":
+        os.setpgid(0, 0)  # a marching run has its own handler of SIGINT, which this keeps idle
+
+
+# -- the study -----------------------------------------------------------------------------------
+
+
+def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tell=print):
+    """Run a case at several values of one numerical parameter and measure its convergence.
+
+    Parameters
+    ----------
+    case : Case
+    axis : str
+        One of `AXES`.
+    values : sequence of float
+        At least three.
+    folder : str or Path
+        Each member is run into `<axis>_<value>` inside; finished members are read, not run.
+    workers : int
+        Number of processes.
+    quiet : bool
+        No progress bar.
+    source : str
+        Name of the case in errors.
+    tell : function
+        Called with a line of text after each member.
+
+    Returns
+    -------
+    dict of dict
+        {observable: record}, see `record`.
+    """
+    if workers < 1:
+        raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
+    folder, ordered = Path(folder), checked_values(axis, values)
+    cases = {
+        folder / f"{axis}_{value:.12g}": member_case(case, axis, value, source) for value in ordered
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(folder, error, running=False) from None
+    run_members(cases, min(workers, len(cases)), quiet, tell=tell)
+    return study(axis, ordered, [open_result(member) for member in cases])
+
+
+def study(axis, values, results):
+    """{observable: record} of finished runs, from coarse to fine."""
+    size = AXES[axis].size
+    sizes = None if size is None else [size(result) for result in results]
+    summaries = [result.summary() for result in results]
+    measured = {name: [summary[name] for summary in summaries] for name in OBSERVABLES}
+    records = {name: record(axis, values, sizes, of) for name, of in measured.items()}
+    distances = [final_distance(result, results[-1]) for result in results]
+    records[PROFILE] = record(axis, values, sizes, distances, scale=1.0)
+    return {name: {"unit": UNITS[name]} | of for name, of in records.items()}
+
+
+def final_distance(result, finest):
+    """Relative L1 distance of the final profiles of two results."""
+    ours, theirs = result.profiles, finest.profiles
+    return profile_distance(ours.x, ours.thickness[-1], theirs.x, theirs.thickness[-1])
+
+
+def record(axis, values, sizes, measured, scale=None):
+    """All numbers of one observable, ready for JSON.
+
+    Lists run from coarse to fine. `order`, `extrapolated`, `gci` and the further numbers at the top
+    belong to the finest three; `triplets` holds the same of every three neighbours, each with its
+    values of the axis. With a scale (the profile, a distance from the finest) errors are absolute,
+    and `extrapolated` is the distance of the finest profile from the limit.
+    """
+    found = [outcome._asdict() for outcome in successive(sizes, measured, scale)]
+    if scale is not None:
+        # distances from the finest grid fall below zero by its own distance from the limit
+        found = [of | {"extrapolated": modulus(of["extrapolated"])} for of in found]
+    triplets = [{axis: values[n : n + 3]} | of for n, of in enumerate(found)]
+    return {
+        axis: values,
+        "value": measured,
+        "refinement_size": sizes,
+        "spread": spread(measured, scale),
+        **found[-1],
+        "triplets": triplets,
+    }
+
+
+def modulus(value):
+    """|value|, None staying None."""
+    return None if value is None else abs(value)
