@@ -156,6 +156,26 @@ def stopping_errors(walls):
     return errors
 
 
+def stopping_viscous_errors(cells):
+    """Viscous Drucker-Prager layer below yield while its resting part grows; relative to the start."""
+    case = layer_case(
+        DEPTH / cells,
+        DEPTH,
+        rheology__law="drucker_prager",
+        rheology__viscosity=0.4,
+        boundary__mu_bed=math.inf,
+        numerics__max_sweeps=100,
+        numerics__tolerance=1e-6,
+    )
+
+    def start(z):
+        return 0.2 * (2.0 - z / DEPTH) * z / DEPTH
+
+    flow = layer(case, start, dt=0.1 / 100)
+    z, u = run_until(flow, 0.1).profile()
+    return (u - exact.stopping_viscous(case, start, z, 0.1)) / 0.2
+
+
 def creep_errors(cells):
     """Creep of a layer of 0.14 m at 0.9 arctan(mu_1), relative to formula 3.8 at its surface."""
     slope = 0.9 * math.degrees(math.atan(0.48))
@@ -323,6 +343,15 @@ PROBLEMS = (
         (8, 16, 32),
         None,
         1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "stopping_viscous",
+        "yield with viscosity, static-flowing interface",
+        stopping_viscous_errors,
+        (8, 16, 32),
+        None,
+        5e-3,
         REGULARISATION,
     ),
     Problem("creep", "regularisation", creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
