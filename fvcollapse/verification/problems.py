@@ -2,9 +2,10 @@
 
 from fvcollapse.verification import (
     problems_box,
+    problems_collapse,
     problems_surface,
     problems_uniform,
 )
 
-GROUPS = (problems_uniform, problems_box, problems_surface)
+GROUPS = (problems_uniform, problems_box, problems_surface, problems_collapse)
 PROBLEMS = tuple(problem for group in GROUPS for problem in group.PROBLEMS)
