@@ -12,6 +12,7 @@ import numpy as np
 from fvcollapse.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.state import State
+from fvcollapse.step.extrapolation import TRUSTED_U
 from fvcollapse.step.geometry import number_unknowns
 from fvcollapse.step.initial import HALO
 from fvcollapse.verification.flows import TIGHT
@@ -67,9 +68,13 @@ class Box(Simulation):
         Right wall and lid hold the fluid; else it slips. Bed and back wall follow the case.
     bed_speed : float
         The bed moves along itself; with boundary.mu_bed = inf it carries the fluid with it, m/s.
+    surface : callable, optional
+        Level set (x, z) -> m of a free surface inside the box, which is held fixed; else it is full.
     """
 
-    def __init__(self, case, dt, velocity, pressure, force=None, no_slip=False, bed_speed=0.0):
+    def __init__(
+        self, case, dt, velocity, pressure, force=None, no_slip=False, bed_speed=0.0, surface=None
+    ):
         self.chosen_dt, self.no_slip, self.bed_speed = dt, no_slip, bed_speed
         h = case.grid.cell_size
         self.cells_z = round(case.geometry.height_0 / h)
@@ -90,10 +95,12 @@ class Box(Simulation):
             self.force_u = self.force_w = 0.0
         else:
             self.force_u, self.force_w = force(self.x_u, self.z_u)[0], force(self.x_w, self.z_w)[1]
-        full = np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
+        x, z = np.meshgrid(h * np.arange(nx + 1), h * np.arange(nz + 1), indexing="ij")
+        self.fixed = surface is not None
+        level_set = surface(x, z) if self.fixed else np.full(x.shape, -20.0 * max(nx, nz) * h)
         u, w = velocity(self.x_u, self.z_u)[0], velocity(self.x_w, self.z_w)[1]
         state = State(
-            full,
+            level_set,
             u + 0.0 * self.x_u,
             w + 0.0 * self.x_w,
             pressure(self.x_p, self.z_p) + 0.0 * self.x_p,
@@ -108,6 +115,9 @@ class Box(Simulation):
 
     def _make_room(self):
         """Walls all around: the grid stays."""
+
+    def _move_surface(self, dt):
+        return 0.0 if self.fixed else super()._move_surface(dt)
 
     def _place(self, time, closed=False):
         super()._place(time, closed)
@@ -145,6 +155,8 @@ class Box(Simulation):
                 w_star[self.right - 1] -= rate * self.state.w[self.right - 1]
 
     def _continue_velocity(self):
+        if self.fixed:
+            super()._continue_velocity()
         state, right, top = self.state, self.right, self.cells_z
         tangential = -1.0 if self.no_slip else 1.0
         mirror(state.w.T, top, -1.0, on_face=True)
@@ -160,11 +172,19 @@ class Box(Simulation):
             state.bed_slip[:] = self.bed_speed
 
     def inside(self):
-        """Slices of u, w and pressure of the fluid, without walls and mirrors."""
-        first, last = (HALO, HALO + 1) if self.halo else (1, self.right)
-        top = self.cells_z
-        cells = slice(first if self.halo else 0, last)
-        return (slice(first, last), slice(top)), (cells, slice(1, top)), (cells, slice(top))
+        """Where u, w and pressure are those of the fluid: masks without walls and mirrors.
+
+        Without the all but empty faces beside a free surface, whose velocity the solver itself does
+        not trust, and without the cells that are not full.
+        """
+        geometry = self.geometry
+        of_u = (geometry.index_u >= 0) & (geometry.mass_x >= TRUSTED_U)
+        of_w = (geometry.index_w >= 0) & (geometry.mass_z >= TRUSTED_U)
+        of_p = geometry.filled >= 1.0
+        of_p[self.right :], of_p[:, self.cells_z :] = False, False
+        for mask in (of_u, of_w, of_p) if self.halo else ():
+            mask[:HALO], mask[HALO + 1 :] = False, False
+        return of_u, of_w, of_p
 
 
 def mirror(field, wall, sign, on_face):

@@ -197,10 +197,9 @@ def stopping_viscous(case, u_0, z, time, cells=400, steps=800):
 
     Where the layer moves tau = mu_1 p + eta u_z, so u_t = -S + nu u_zz with S = g cos a (mu_1 - T),
     u_z(H) = 0; it ends at a height b(t) where u = u_z = 0, and below it rests: the obstacle problem
-    min(u_t + S - nu u_zz, u) = 0. Lusso, Bouchut, Ern & Mangeney (2017), Commun. Comput. Phys. 21,
-    1371. There is no closed form: solved here by finite differences on `cells` cells, in `steps`
-    implicit steps (extrapolated from the first order in time), the resting cells being found anew
-    in every step.
+    min(u_t + S - nu u_zz, u) = 0. Lusso, Bouchut, Ern & Mangeney (2017), Appl. Sci. 7, 386. There is
+    no closed form: finite differences on `cells` cells, in `steps` implicit steps (extrapolated from
+    first order in time), the resting cells being found anew in every step; converged to 2e-6 u_0.
     """
     coarse = _obstacle(case, u_0, time, cells, steps)
     fine = _obstacle(case, u_0, time, cells, 2 * steps)
@@ -457,6 +456,40 @@ def manufactured_box(x, z):
     )
 
 
+def manufactured_surface(x):
+    """Height of a curved free surface in the unit box, m; level at both walls."""
+    return 0.6 + 0.1 * np.cos(math.pi * x)
+
+
+def manufactured_below_surface(x, z):
+    """Flow in the unit box below a curved free surface at rest, free slip on bed and walls.
+
+    Stream function a sin(kx) (z y)^3 with the depth y below the surface: velocity, strain rate and
+    pressure vanish on the surface, so that it bears no stress and does not move. Returns u, w, p,
+    u_x, u_z, w_x.
+    """
+    k, a = math.pi, 15.0
+    y, y_x, y_xx = (
+        manufactured_surface(x) - z,
+        -0.1 * k * np.sin(k * x),
+        -0.1 * k**2 * np.cos(k * x),
+    )
+    s, s_x, s_xx = np.sin(k * x), k * np.cos(k * x), -(k**2) * np.sin(k * x)
+    m, m_x, m_z, m_xx, m_xz, m_zz = z * y, z * y_x, y - z, z * y_xx, y_x, -2.0
+    cube_x, cube_z = 3 * m**2 * m_x, 3 * m**2 * m_z
+    cube_xx = 6 * m * m_x**2 + 3 * m**2 * m_xx
+    cube_xz = 6 * m * m_x * m_z + 3 * m**2 * m_xz
+    cube_zz = 6 * m * m_z**2 + 3 * m**2 * m_zz
+    return (
+        a * s * cube_z,
+        -a * (s_x * m**3 + s * cube_x),
+        10000.0 * y * (1.0 + 0.3 * np.cos(k * x)),
+        a * (s_x * cube_z + s * cube_xz),
+        a * s * cube_zz,
+        -a * (s_xx * m**3 + 2 * s_x * cube_x + s * cube_xx),
+    )
+
+
 # -- collapses in the limit of a long, shallow flow --------------------------------------------
 
 
@@ -464,7 +497,7 @@ def huppert_front(area, viscosity_kinematic, time):
     """Front of a viscous current on a level bed that holds it: x_N = 1.411 (g q^3/(3 nu))^(1/5) t^(1/5).
 
     q is the area in x > 0. Asymptote for t -> infinity, whatever the start. Huppert (1982), J. Fluid
-    Mech. 121, 43, equation 2.26 with alpha = 0.
+    Mech. 121, 43.
     """
     return 1.411 * (GRAVITY * area**3 / (3 * viscosity_kinematic) * time) ** 0.2
 

@@ -4,6 +4,7 @@ import math
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from fvcollapse.case import GRAVITY
 from fvcollapse.verification import exact
@@ -28,9 +29,7 @@ def at_rest(x, z):
 def velocity_errors(box, u, w):
     """Errors of u and w on all faces of the fluid, for the exact fields on all faces."""
     inside_u, inside_w, _ = box.inside()
-    return np.concatenate(
-        [(box.state.u - u)[inside_u].ravel(), (box.state.w - w)[inside_w].ravel()]
-    )
+    return np.concatenate([(box.state.u - u)[inside_u], (box.state.w - w)[inside_w]])
 
 
 def taylor_green_errors(cells):
@@ -72,9 +71,7 @@ def poiseuille_errors(cells):
     box = Box(case, 0.4 * h**2 / nu, velocity, lambda x, z: weight * (0.1 - z), no_slip=True)
     run_until(box, 0.5 * 0.1**2 / nu)
     inside = box.inside()[0]
-    return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside].ravel() / exact.poiseuille(
-        case, 0.05
-    )
+    return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside] / exact.poiseuille(case, 0.05)
 
 
 def couette_errors(cells):
@@ -92,9 +89,7 @@ def couette_errors(cells):
     )
     run_until(box, duration)
     inside = box.inside()[0]
-    return box.state.u[inside].ravel() - exact.couette_start_up(
-        case, box.z_u[0][:cells], duration, 1.0
-    )
+    return box.state.u[inside] - exact.couette_start_up(case, box.z_u[0][:cells], duration, 1.0)
 
 
 @lru_cache
@@ -141,8 +136,6 @@ def cavity_errors(points_u, points_v):
 
 def between(distance, values, points, far_wall):
     """Cubic interpolation of values at the cell centres, 0 at the near wall, `far_wall` at 1."""
-    from scipy.interpolate import CubicSpline
-
     return CubicSpline(
         np.concatenate([[0.0], distance, [1.0]]), np.concatenate([[0.0], values, [far_wall]])
     )(points)
@@ -157,8 +150,14 @@ def sixteenths(values):
 
 
 @lru_cache
-def manufactured(cells):
-    """Errors of velocity and pressure of the manufactured flow, once the discrete one is steady."""
+def manufactured(flow, cells, surface=None):
+    """A manufactured flow of a Drucker-Prager fluid, run until the discrete one is steady.
+
+    Returns
+    -------
+    velocity, pressure : 1-D arrays
+        Errors, relative to the largest of the exact solution.
+    """
     case = box_case(
         cells,
         rheology__law="drucker_prager",
@@ -169,19 +168,35 @@ def manufactured(cells):
     box = Box(
         case,
         0.1 * (8 / cells) ** 2,
-        lambda x, z: exact.manufactured_box(x, z)[:2],
-        lambda x, z: exact.manufactured_box(x, z)[2],
-        force=lambda x, z: exact.manufactured_force(case, exact.manufactured_box, x, z),
+        lambda x, z: flow(x, z)[:2],
+        lambda x, z: np.maximum(flow(x, z)[2], 0.0),
+        force=lambda x, z: exact.manufactured_force(case, flow, x, z),
+        surface=surface,
     )
     run_until(box, 0.4)
-    u = exact.manufactured_box(box.x_u, box.z_u)[0]
-    w = exact.manufactured_box(box.x_w, box.z_w)[1]
-    p = exact.manufactured_box(box.x_p, box.z_p)[2]
-    inside = box.inside()[2]
-    speed, mean = 0.2 * math.pi, 3000.0
-    return velocity_errors(box, u, w) / speed, (box.state.pressure_filled - p)[
-        inside
-    ].ravel() / mean
+    inside_u, inside_w, inside_p = box.inside()
+    u, w = flow(box.x_u, box.z_u)[0], flow(box.x_w, box.z_w)[1]
+    p = flow(box.x_p, box.z_p)[2]
+    fastest = max(np.abs(u[inside_u]).max(), np.abs(w[inside_w]).max())
+    return (
+        velocity_errors(box, u, w) / fastest,
+        (box.state.pressure_filled - p)[inside_p] / p[inside_p].max(),
+    )
+
+
+def manufactured_errors(part):
+    """Errors of velocity (0) or pressure (1) in the full box."""
+    return lambda cells: manufactured(exact.manufactured_box, cells)[part]
+
+
+def curved(x, z):
+    """Level set of the curved surface, m."""
+    return z - exact.manufactured_surface(x)
+
+
+def manufactured_surface_errors(part):
+    """The same below a curved free surface."""
+    return lambda cells: manufactured(exact.manufactured_below_surface, cells, curved)[part]
 
 
 GHIA_SOURCE = "Ghia's own error, up to 0.0092 from Marchi et al. (2009), and the grid"
@@ -226,17 +241,33 @@ PROBLEMS = (
     Problem(
         "manufactured_velocity",
         "div(2 eta D) with eta(p, shear rate)",
-        lambda cells: manufactured(cells)[0],
-        (8, 16, 32),
+        manufactured_errors(0),
+        (8, 16, 32, 48),
         2.0,
         2e-2,
     ),
     Problem(
         "manufactured_pressure",
         "pressure beside eta(p, shear rate)",
-        lambda cells: manufactured(cells)[1],
-        (8, 16, 32),
+        manufactured_errors(1),
+        (8, 16, 32, 48),
         2.0,
         1e-2,
+    ),
+    Problem(
+        "manufactured_surface_velocity",
+        "the same below a curved free surface",
+        manufactured_surface_errors(0),
+        (8, 16, 32, 48),
+        2.0,
+        5e-2,
+    ),
+    Problem(
+        "manufactured_surface_pressure",
+        "the same below a curved free surface",
+        manufactured_surface_errors(1),
+        (8, 16, 32, 48),
+        2.0,
+        5e-2,
     ),
 )
