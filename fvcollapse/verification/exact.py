@@ -185,7 +185,7 @@ def stopping_inviscid(case, u_0, z, time):
 
     Where the layer moves tau = mu_1 p, so every depth loses S = g cos a (mu_1 - T + 2 (mu_w/w) y)
     per unit time; the static-flowing interface rises as S t = u_0. Bouchut, Ionescu & Mangeney
-    (2016), Commun. Math. Sci. 14, 2075.
+    (2016), Commun. Math. Sci. 14, 2101.
     """
     y = case.geometry.height_0 - np.asarray(z)
     loss = case.rheology.mu_1 - slope_ratio(case) + 2 * wall_ratio(case) * y
