@@ -76,39 +76,33 @@ class Box(Simulation):
         self, case, dt, velocity, pressure, force=None, no_slip=False, bed_speed=0.0, surface=None
     ):
         self.chosen_dt, self.no_slip, self.bed_speed = dt, no_slip, bed_speed
-        h = case.grid.cell_size
-        self.cells_z = round(case.geometry.height_0 / h)
-        columns = round(case.geometry.length_0 / h)
+        h, geometry = case.grid.cell_size, case.geometry
+        self.cells_z, columns = round(geometry.height_0 / h), round(geometry.length_0 / h)
         periodic = case.boundary.ends == "periodic"
         nx, nz = columns + (2 * HALO if periodic else GHOSTS), self.cells_z + GHOSTS
         self.right = nx if periodic else columns  # end of the fluid; a periodic one has none
-        self.x_u, self.z_u = np.meshgrid(
-            h * np.arange(nx + 1), h * (np.arange(nz) + 0.5), indexing="ij"
-        )
-        self.x_w, self.z_w = np.meshgrid(
-            h * (np.arange(nx) + 0.5), h * np.arange(nz + 1), indexing="ij"
-        )
-        self.x_p, self.z_p = np.meshgrid(
-            h * (np.arange(nx) + 0.5), h * (np.arange(nz) + 0.5), indexing="ij"
-        )
-        if force is None:
-            self.force_u = self.force_w = 0.0
-        else:
+        self.x_u, self.z_u = points(h, nx + 1, nz, 0.0, 0.5)
+        self.x_w, self.z_w = points(h, nx, nz + 1, 0.5, 0.0)
+        self.x_p, self.z_p = points(h, nx, nz, 0.5, 0.5)
+        self.force_u = self.force_w = 0.0
+        if force is not None:
             self.force_u, self.force_w = force(self.x_u, self.z_u)[0], force(self.x_w, self.z_w)[1]
-        x, z = np.meshgrid(h * np.arange(nx + 1), h * np.arange(nz + 1), indexing="ij")
-        self.fixed = surface is not None
-        level_set = surface(x, z) if self.fixed else np.full(x.shape, -20.0 * max(nx, nz) * h)
-        u, w = velocity(self.x_u, self.z_u)[0], velocity(self.x_w, self.z_w)[1]
+        self.surface = surface
         state = State(
-            level_set,
-            u + 0.0 * self.x_u,
-            w + 0.0 * self.x_w,
+            self._level_set(h, nx, nz),
+            velocity(self.x_u, self.z_u)[0] + 0.0 * self.x_u,
+            velocity(self.x_w, self.z_w)[1] + 0.0 * self.x_w,
             pressure(self.x_p, self.z_p) + 0.0 * self.x_p,
             np.zeros(nx + 1),
         )
         state.volume_0, state.dt = nx * nz * h * h, dt
         super().__init__(case, state)
         self._continue_velocity()
+
+    def _level_set(self, h, nx, nz):
+        if self.surface is None:
+            return np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
+        return self.surface(*points(h, nx + 1, nz + 1, 0.0, 0.0))
 
     def _time_step(self):
         return self.chosen_dt
@@ -117,7 +111,7 @@ class Box(Simulation):
         """Walls all around: the grid stays."""
 
     def _move_surface(self, dt):
-        return 0.0 if self.fixed else super()._move_surface(dt)
+        return super()._move_surface(dt) if self.surface is None else 0.0
 
     def _place(self, time, closed=False):
         super()._place(time, closed)
@@ -155,7 +149,7 @@ class Box(Simulation):
                 w_star[self.right - 1] -= rate * self.state.w[self.right - 1]
 
     def _continue_velocity(self):
-        if self.fixed:
+        if self.surface is not None:
             super()._continue_velocity()
         state, right, top = self.state, self.right, self.cells_z
         tangential = -1.0 if self.no_slip else 1.0
@@ -185,6 +179,12 @@ class Box(Simulation):
         for mask in (of_u, of_w, of_p) if self.halo else ():
             mask[:HALO], mask[HALO + 1 :] = False, False
         return of_u, of_w, of_p
+
+
+def points(h, nx, nz, offset_x, offset_z):
+    """Abscissae and heights of nx by nz points, h apart, the first `offset` cells from the corner, m."""
+    x, z = h * (np.arange(nx) + offset_x), h * (np.arange(nz) + offset_z)
+    return np.meshgrid(x, z, indexing="ij")
 
 
 def mirror(field, wall, sign, on_face):
