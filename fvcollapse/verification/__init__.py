@@ -30,7 +30,8 @@ def verify(names=None, json_path=None):
         One row per problem: name, grids, error_l1, error_l2, error_linf, observed_order,
         expected_order, tolerance, passed.
     """
-    from fvcollapse.verification.problems import PROBLEMS, solve
+    from fvcollapse.verification.problem import solve
+    from fvcollapse.verification.problems import PROBLEMS
 
     by_name = {problem.name: problem for problem in PROBLEMS}
     for name in names or ():

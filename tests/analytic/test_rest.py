@@ -10,7 +10,7 @@ from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import back_wall_reaction, bed_reaction
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
-from fvcollapse.verification.problems import bed_pressures
+from fvcollapse.verification.problems_surface import bed_pressures
 
 WIDTHS = pytest.mark.parametrize("width", [0.10, math.inf])
 

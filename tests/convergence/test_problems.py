@@ -6,9 +6,10 @@ import pytest
 
 from fvcollapse.__main__ import main
 from fvcollapse.verification import problem_names, verify
-from fvcollapse.verification.problems import PROBLEMS, solve
+from fvcollapse.verification.problem import solve
+from fvcollapse.verification.problems import PROBLEMS
 
-SLOW = {"zalesak", "vortex_8s"}
+SLOW = {"zalesak", "vortex_8s", "cavity", "cavity_ghia"}
 
 
 def on_coarse_grids(problem):

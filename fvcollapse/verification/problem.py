@@ -1,0 +1,69 @@
+"""What a verification problem is, and how it is solved and judged.
+
+Errors are relative to a scale of the flow (its surface velocity, the weight, the area of the
+surface). A problem passes if its largest error on the finest grid is within `tolerance` and, where
+theory gives an order of convergence, the fitted order is at least the expected one less 0.2.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+ORDER_MARGIN = 0.2
+
+
+class Problem(NamedTuple):
+    """A flow with a known solution.
+
+    `errors` takes the number of cells per depth (or per side) and returns the relative errors, a
+    1-D array; `tolerance` is that of the largest error on the finest grid, and `source` says where
+    it comes from if there is no order of convergence to expect.
+    """
+
+    name: str
+    proves: str
+    errors: Callable
+    grids: tuple
+    expected_order: float | None
+    tolerance: float
+    source: str = "discretisation"
+
+
+def solve(problem, grids=None):
+    """Run a problem; return its row of the table.
+
+    Returns
+    -------
+    dict
+        name, grids, error_l1, error_l2, error_linf (lists, one value per grid), observed_order,
+        expected_order, tolerance, passed.
+    """
+    grids = problem.grids if grids is None else grids
+    errors = [np.atleast_1d(problem.errors(cells)) for cells in grids]
+    l1 = [float(np.mean(np.abs(error))) for error in errors]
+    l2 = [float(np.sqrt(np.mean(error**2))) for error in errors]
+    linf = [float(np.max(np.abs(error))) for error in errors]
+    order = fitted_order(grids, l2)
+    passed = linf[-1] <= problem.tolerance
+    if problem.expected_order is not None:
+        passed = passed and order is not None and order >= problem.expected_order - ORDER_MARGIN
+    return {
+        "name": problem.name,
+        "grids": list(grids),
+        "error_l1": l1,
+        "error_l2": l2,
+        "error_linf": linf,
+        "observed_order": order,
+        "expected_order": problem.expected_order,
+        "tolerance": problem.tolerance,
+        "passed": bool(passed),
+    }
+
+
+def fitted_order(grids, errors):
+    """Least-squares slope of log(error) against log(cell size); None if an error is zero or NaN."""
+    if not all(0.0 < error < math.inf for error in errors):
+        return None
+    return float(-np.polyfit(np.log(grids), np.log(errors), 1)[0])

@@ -1,0 +1,358 @@
+"""Uniform flows of a layer: steady, starting, sliding and stopping."""
+
+import math
+
+import numpy as np
+
+from fvcollapse.case import GRAVITY
+from fvcollapse.verification import exact
+from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady
+from fvcollapse.verification.problem import Problem
+
+DEPTH = 0.02  # m, of the layers, unless said otherwise
+REGULARISATION = "regularisation: shear_rate_min and the slip speed of the walls"
+
+
+# -- steady uniform flow -----------------------------------------------------------------------
+
+SLOPE = {"geometry__slope_angle_deg": 24.0, "boundary__mu_bed": math.inf}
+GLASS = {"rheology__mu_1": 0.38, "rheology__mu_2": 0.64}
+WALLS = {"geometry__channel_width": 0.10, "effects__lateral_friction": {}}
+
+
+def steady_errors(solution, depth=DEPTH, **changes):
+    """Errors of a steady layer on a bed that holds it, as a function of the cells per depth."""
+
+    def errors(cells):
+        case = layer_case(depth / cells, depth, **changes)
+        flow = layer(case, lambda z: solution(case, z), dt=10.0)
+        z, u = run_until_steady(flow).profile()
+        return (u - solution(case, z)) / solution(case, np.array([depth]))[0]
+
+    return errors
+
+
+def bagnold_errors(slope_angle_deg):
+    """Bagnold flow of glass beads."""
+    return steady_errors(
+        exact.bagnold, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": slope_angle_deg}
+    )
+
+
+def bagnold_gerris_errors(cells):
+    """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors."""
+    unit = math.sqrt(GRAVITY)
+    case = layer_case(
+        1.0 / cells,
+        1.0,
+        geometry__slope_angle_deg=math.degrees(0.43),
+        boundary__mu_bed=math.inf,
+        rheology__mu_1=0.38,
+        rheology__mu_2=0.64,
+        rheology__I_0=0.3,
+        rheology__grain_diameter=0.04,
+        rheology__density_grain=1550.0,
+    )
+    flow = layer(case, lambda z: exact.bagnold(case, z), dt=100.0)
+    z, u = run_until_steady(flow).profile()
+    return (u - exact.bagnold(case, z)) / unit
+
+
+# -- sliding and stopping ----------------------------------------------------------------------
+
+
+def imposed_bed_stress_errors(cells):
+    """Newtonian film that slides steadily on a Coulomb bed with mu_b = tan(slope)."""
+    slope = 20.0
+    case = layer_case(
+        DEPTH / cells,
+        DEPTH,
+        geometry__slope_angle_deg=slope,
+        boundary__mu_bed=math.tan(math.radians(slope)),
+        rheology__law="newtonian",
+        rheology__viscosity=1.0,
+    )
+    z, _ = layer(case, np.zeros_like, dt=1.0).profile()
+    mean = exact.film_imposed_bed_stress(case, z).mean()
+    start = layer(case, lambda z: 2.0 + exact.film_imposed_bed_stress(case, z), dt=1.0, slip=2.0)
+    z, u = run_until(start, 10.0).profile()
+    profile = exact.film_imposed_bed_stress(case, z)
+    return (u - profile - 2.0) / (2.0 + mean)
+
+
+def slip_errors(cells):
+    """Gain of mean velocity of a sheared mu(I) layer that slides, mu_b = mu_1 < tan(slope)."""
+    case = layer_case(
+        DEPTH / cells,
+        DEPTH,
+        geometry__slope_angle_deg=22.0,
+        rheology__mu_1=0.30,
+        boundary__mu_bed=0.30,
+    )
+    flow = layer(case, lambda z: 1.0 + 20.0 * z, dt=1e-3, slip=1.0)
+    before = flow.mean_velocity()
+    gained = run_until(flow, 0.05).mean_velocity() - before
+    return gained / (0.05 * exact.block_acceleration(case)) - 1.0
+
+
+def block_errors(walls):
+    """A rigid block, braked: speed before, at and after the stop, relative to the start."""
+
+    def errors(cells):
+        case = layer_case(
+            DEPTH / cells,
+            DEPTH,
+            geometry__slope_angle_deg=22.0,
+            rheology__mu_1=0.9,
+            rheology__mu_2=0.9,
+            **(WALLS if walls else {}),
+        )
+        stop = -0.2 / exact.block_acceleration(case)
+        flow = layer(case, lambda z: 0.2 + 0.0 * z, dt=stop / 100, slip=0.2)
+        found = []
+        for part in (0.5, 0.9, 1.0, 1.1, 1.5):
+            run_until(flow, part * stop)
+            found.append(flow.mean_velocity() - exact.block_speed(case, 0.2, part * stop))
+        return np.array(found) / 0.2
+
+    return errors
+
+
+def start_up_errors(cells):
+    """Drucker-Prager layer from rest at t = 0.1 s; dt proportional to the cell size squared."""
+    case = layer_case(
+        DEPTH / cells,
+        DEPTH,
+        rheology__law="drucker_prager",
+        rheology__viscosity=1.0,
+        **SLOPE,
+        rheology__mu_1=0.38,
+    )
+    flow = layer(case, np.zeros_like, dt=0.02 * (8 / cells) ** 2)
+    z, u = run_until(flow, 0.1).profile()
+    return (u - exact.incline_start_up(case, z, 0.1)) / exact.incline_drucker_prager(case, DEPTH)
+
+
+def stopping_errors(walls):
+    """Inviscid Drucker-Prager layer below yield, half-way to its stop."""
+
+    def errors(cells):
+        case = layer_case(
+            DEPTH / cells,
+            DEPTH,
+            rheology__law="drucker_prager",
+            rheology__viscosity=0.0,
+            boundary__mu_bed=math.inf,
+            numerics__max_sweeps=100,
+            numerics__tolerance=1e-6,
+            **(WALLS if walls else {}),
+        )
+        loss = exact.gravity_normal(case) * (0.48 - exact.slope_ratio(case))
+        stop = 0.2 / loss
+        flow = layer(case, lambda z: 0.2 * z / DEPTH, dt=stop / 100)
+        z, u = run_until(flow, 0.5 * stop).profile()
+        return (u - exact.stopping_inviscid(case, 0.2 * z / DEPTH, z, 0.5 * stop)) / 0.2
+
+    return errors
+
+
+def stopping_viscous_errors(cells):
+    """Viscous Drucker-Prager layer below yield while its resting part grows; relative to the start."""
+    case = layer_case(
+        DEPTH / cells,
+        DEPTH,
+        rheology__law="drucker_prager",
+        rheology__viscosity=0.4,
+        boundary__mu_bed=math.inf,
+        numerics__max_sweeps=100,
+        numerics__tolerance=1e-6,
+    )
+
+    def start(z):
+        return 0.2 * (2.0 - z / DEPTH) * z / DEPTH
+
+    flow = layer(case, start, dt=0.1 / 100)
+    z, u = run_until(flow, 0.1).profile()
+    return (u - exact.stopping_viscous(case, start, z, 0.1)) / 0.2
+
+
+def creep_errors(cells):
+    """Creep of a layer of 0.14 m at 0.9 arctan(mu_1), relative to formula 3.8 at its surface."""
+    slope = 0.9 * math.degrees(math.atan(0.48))
+    case = layer_case(
+        0.14 / cells,
+        0.14,
+        geometry__slope_angle_deg=slope,
+        boundary__mu_bed=math.inf,
+        rheology__law="drucker_prager",
+        rheology__viscosity=0.0,
+    )
+    flow = layer(case, lambda z: exact.creep(case, z), dt=0.05)
+    z, u = run_until(flow, 0.5).profile()
+    return (u - exact.creep(case, z)) / exact.creep(case, 0.14)
+
+
+PROBLEMS = (
+    Problem(
+        "bagnold_22deg", "mu(I), equations 3-7", bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_24deg", "mu(I), equations 3-7", bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_28deg", "mu(I), equations 3-7", bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3
+    ),
+    Problem(
+        "bagnold_gerris", "mu(I), against Gerris", bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4
+    ),
+    Problem(
+        "incline_drucker_prager",
+        "Drucker-Prager, equation 8",
+        steady_errors(
+            exact.incline_drucker_prager,
+            **SLOPE,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=1.0,
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        1e-4,
+    ),
+    Problem(
+        "film_newtonian",
+        "div(2 eta D): half a Poiseuille flow",
+        steady_errors(
+            exact.film_newtonian, **SLOPE, rheology__law="newtonian", rheology__viscosity=1.0
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        1e-4,
+    ),
+    Problem(
+        "film_bingham",
+        "yield stress: half a Bingham Poiseuille flow",
+        steady_errors(
+            exact.film_bingham,
+            **SLOPE,
+            rheology__law="bingham",
+            rheology__viscosity=1.0,
+            rheology__cohesion=50.0,
+        ),
+        (8, 16, 32, 64),
+        2.0,
+        5e-4,
+    ),
+    Problem(
+        "chute_drucker_prager_shallow",
+        "lateral friction, equation 19",
+        steady_errors(
+            exact.chute_drucker_prager,
+            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
+            **WALLS,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=20.0,
+        ),
+        (8, 16, 32, 64),
+        1.8,
+        1e-3,
+    ),
+    Problem(
+        "chute_mu_I_shallow",
+        "lateral friction, equation 19",
+        steady_errors(
+            exact.chute_mu_I, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
+        ),
+        (8, 16, 32, 64),
+        1.8,
+        1e-3,
+    ),
+    Problem(
+        "chute_drucker_prager_deep",
+        "lateral friction, equation 19: flowing depth",
+        steady_errors(
+            exact.chute_drucker_prager,
+            0.06,
+            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
+            **WALLS,
+            rheology__law="drucker_prager",
+            rheology__mu_1=0.38,
+            rheology__viscosity=20.0,
+        ),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "chute_mu_I_deep",
+        "lateral friction, equation 19: flowing depth",
+        steady_errors(
+            exact.chute_mu_I, 0.08, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
+        ),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "imposed_bed_stress",
+        "Coulomb bed, equation 12",
+        imposed_bed_stress_errors,
+        (8, 16, 32),
+        None,
+        1e-5,
+        "tolerance of the solver",
+    ),
+    Problem(
+        "bed_slip",
+        "Coulomb bed, equation 12",
+        slip_errors,
+        (4, 8, 16),
+        None,
+        1e-5,
+        "tolerance of the solver",
+    ),
+    Problem(
+        "block", "Coulomb bed, stick and slip", block_errors(False), (4, 8, 16), None, 1e-3, "creep"
+    ),
+    Problem(
+        "block_walls",
+        "lateral friction, stick and slip",
+        block_errors(True),
+        (4, 8, 16),
+        None,
+        1e-3,
+        "creep",
+    ),
+    Problem("start_up", "inertia with viscosity", start_up_errors, (8, 16, 32), 2.0, 1e-3),
+    Problem(
+        "stopping",
+        "yield, static-flowing interface",
+        stopping_errors(False),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "stopping_walls",
+        "the same with lateral walls",
+        stopping_errors(True),
+        (8, 16, 32),
+        None,
+        1e-2,
+        REGULARISATION,
+    ),
+    Problem(
+        "stopping_viscous",
+        "yield with viscosity, static-flowing interface",
+        stopping_viscous_errors,
+        (8, 16, 32),
+        None,
+        5e-3,
+        REGULARISATION,
+    ),
+    Problem("creep", "regularisation", creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
+)

@@ -1,0 +1,99 @@
+"""The exact solutions themselves: each satisfies the equation it is said to solve."""
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+
+from fvcollapse.case import GRAVITY
+from fvcollapse.verification import exact
+from fvcollapse.verification.boxes import box_case, channel_case
+from fvcollapse.verification.flows import layer_case
+from fvcollapse.verification.problems_collapse import column_case
+
+STEP = 1e-30  # of the complex derivatives, exact to round-off
+FLOWS = [exact.manufactured_box, exact.manufactured_below_surface]
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_manufactured_gradients_are_those_of_the_velocity(flow):
+    x, z = np.meshgrid(np.linspace(0.1, 0.9, 7), np.linspace(0.05, 0.45, 7))
+    _, _, _, u_x, u_z, w_x = flow(x, z)
+    along, across = flow(x + 1j * STEP, z), flow(x, z + 1j * STEP)
+    np.testing.assert_allclose(along[0].imag / STEP, u_x, atol=1e-12)
+    np.testing.assert_allclose(across[0].imag / STEP, u_z, atol=1e-12)
+    np.testing.assert_allclose(along[1].imag / STEP, w_x, atol=1e-12)
+    np.testing.assert_allclose(across[1].imag / STEP, -u_x, atol=1e-12)
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_manufactured_flow_keeps_to_walls_that_let_it_slip(flow):
+    s = np.linspace(0.05, 0.45, 9)
+    for wall in (0.0, 1.0):
+        u, _, _, _, u_z, w_x = flow(wall + 0.0 * s, s)
+        np.testing.assert_allclose([u, u_z + w_x], 0.0, atol=1e-12)
+    _, w, _, _, u_z, w_x = flow(s, 0.0 * s)
+    np.testing.assert_allclose([w, u_z + w_x], 0.0, atol=1e-12)
+
+
+def test_manufactured_surface_bears_no_stress_and_rests():
+    x = np.linspace(0.0, 1.0, 9)
+    found = exact.manufactured_below_surface(x, exact.manufactured_surface(x))
+    np.testing.assert_allclose(found, 0.0, atol=1e-12)
+
+
+def test_force_of_a_fluid_at_rest_is_its_buoyancy():
+    """Pressure rho g (1 - z) balances gravity: no force is left to add."""
+
+    def at_rest(x, z):
+        zero = 0.0 * x
+        return zero, zero, 1000.0 * GRAVITY * (1.0 - z), zero, zero, zero
+
+    force = exact.manufactured_force(box_case(8), at_rest, np.array([0.3]), np.array([0.4]))
+    np.testing.assert_allclose(force, 0.0, atol=1e-12)
+
+
+def test_couette_start_up_ends_in_the_straight_profile():
+    case = channel_case(8, 0.1, rheology__viscosity=10.0)
+    z = np.linspace(0.0, 0.1, 5)
+    np.testing.assert_allclose(
+        exact.couette_start_up(case, z, 100.0, 2.0), 2.0 * (1.0 - z / 0.1), atol=1e-12
+    )
+
+
+def test_viscous_stop_tends_to_the_inviscid_one():
+    case = layer_case(0.005, 0.02, rheology__law="drucker_prager", rheology__viscosity=1e-6)
+    z = np.linspace(0.0, 0.02, 9)
+
+    def start(z):
+        return 10.0 * z
+
+    np.testing.assert_allclose(
+        exact.stopping_viscous(case, start, z, 0.1),
+        exact.stopping_inviscid(case, start(z), z, 0.1),
+        atol=1e-3,
+    )
+
+
+def test_huppert_profile_holds_the_area_and_feeds_the_front():
+    """The depth solves h_t = g/(3 nu) (h^3 h_x)_x in integral form: the flux past x is the loss behind."""
+    x = np.linspace(0.0, 3.0, 200001)
+    h = exact.huppert_depth(1.2, 3.0, x)
+    assert trapezoid(h, x) == pytest.approx(1.2, rel=1e-5)
+    nu = 0.5
+    time = (3.0 / exact.huppert_front(1.2, nu, 1.0)) ** 5
+    later = exact.huppert_depth(1.2, exact.huppert_front(1.2, nu, time * (1 + 1e-6)), x)
+    part = x <= 1.5
+    loss = trapezoid((h - later)[part], x[part]) / (1e-6 * time)
+    slope = np.gradient(h, x)[part][-1]
+    assert loss == pytest.approx(-GRAVITY / (3 * nu) * h[part][-1] ** 3 * slope, rel=2e-3)
+
+
+@pytest.mark.parametrize("slope", [0.0, 20.0])
+def test_dam_break_keeps_the_volume(slope):
+    """What the fan holds is what its rear has set in motion."""
+    case = column_case(8, 6.0, geometry__slope_angle_deg=slope)
+    time = 0.5
+    shift = 0.5 * GRAVITY * np.sin(np.radians(slope)) * time**2
+    c = np.sqrt(exact.gravity_normal(case))
+    x = 6.0 + shift + np.linspace(-c, 2 * c, 100001) * time
+    assert trapezoid(exact.dam_break_depth(case, x, time), x) == pytest.approx(c * time)
