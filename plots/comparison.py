@@ -23,23 +23,25 @@ VARIANTS = (  # end of the name, line, label
     ("_half_size", "C3+", "half the size"),
 )
 CAPTIONS = {
-    "discs_a0.5": """Column of aspect ratio 0.5 against discs (contact dynamics, mean of both sides of the pile),
-h0/26 cells. mu(I) 0.32/0.60/0.40, d = h0/30, rough bed, symmetry plane; t* = t sqrt(g/h0). The spacing of the disc profiles in time
-is inferred in the data. The discs are grey, the computed surface coloured.
+    "discs_a0.5": """
+Column of aspect ratio 0.5 against discs (grey; contact dynamics, mean of both sides of the pile), h0/26 cells. mu(I)
+0.32/0.60/0.40, d = h0/30, rough bed, symmetry plane; t* = t sqrt(g/h0), of the discs inferred in the data.
 """,
-    "discs_a6.26": """Column of aspect ratio 6.26 against discs (contact dynamics, mean of both sides of the pile).
-mu(I) 0.32/0.60/0.40, d = h0/134, rough bed, symmetry plane; t* = t sqrt(g/h0). The discs are grey, the computed surface
-coloured: h0/100 cells solid, h0/64 dotted.
+    "discs_a6.26": """
+Column of aspect ratio 6.26 against discs (grey; contact dynamics, mean of both sides of the pile). mu(I)
+0.32/0.60/0.40, d = h0/134, rough bed, symmetry plane; t* = t sqrt(g/h0).
 """,
-    "volume_of_fluid": """Column of aspect ratio 0.5 in the set-up of the volume-of-fluid solution (grey; cells of h0/25.6),
-on three grids. The fronts agree at 0.03 h0 thickness; the computed ones end in a thinner tongue.
+    "volume_of_fluid": """
+Column of aspect ratio 0.5 in the set-up of the volume-of-fluid solution (grey; cells of h0/25.6), on three grids.
 """,
-    "channel": """Runout and final height of glass beads in a channel 45 mm wide. Computed with the measured wall friction
-on the lateral walls, the bed and the back wall, mu_1 of the repose angle; nothing is tuned. Runout at two bead diameters.
-Open symbols: at two aspect ratios, three variants (the size of the column is not in the data: 64 cm2 assumed). Error bars: reading and scatter of the points.
+    "channel": """
+Runout (at two bead diameters) and final height of glass beads in a channel 45 mm wide. Computed with the measured wall
+friction on the lateral walls, the bed and the back wall, and mu_1 of the repose angle; nothing is tuned. The size of
+the column is not in the data: 64 cm2 assumed; "half the size" shows what it does. Bars: reading and scatter.
 """,
-    "deposit_shape": """Deposit: height over the largest height against distance over the distance where 2 % of
-it is left. Grey: dimensionless shape of the experiments (valid where the flat top is consumed).
+    "deposit_shape": """
+Deposit: height over the largest against distance over the distance where 2 % of it is left. Grey: dimensionless shape
+of the experiments, valid where the flat top is consumed.
 """,
 }
 
@@ -136,7 +138,7 @@ def save(figure, name):
     path = HERE / "figures" / f"comparison_{name}"
     figure.savefig(f"{path}.png", dpi=120)
     plt.close(figure)
-    Path(f"{path}.txt").write_text(CAPTIONS[name] + "Source: runs/comparison.\n")
+    Path(f"{path}.txt").write_text(CAPTIONS[name].lstrip() + "Source: runs/comparison.\n")
 
 
 if __name__ == "__main__":

@@ -216,6 +216,9 @@ def channel(data):
         for values in zip(a[inside], given[inside], error[inside], found[inside], strict=True):
             rows.append(line("beads in a channel", f"{label} / l0 (point)", *values))
         rows += summary(label, a, given, error, found)
+        if label == "runout":
+            thin = np.array([float(row["runout_1mm_over_l0"]) for row in runs])
+            rows += summary("runout at 1 mm", a, given, error, on_curve(aspect, thin, a))
     return rows
 
 
