@@ -203,7 +203,7 @@ def channel(data):
         ("runout", "runout_planestrain.csv", "dL_over_L0", "runout_over_l0"),
         ("final height", "height_planestrain.csv", "Hf_over_L0", "final_height_over_l0"),
     ):
-        points = table(folder / file)
+        points = table(folder / file, columns=(0, 1))
         a, given = points["a_H0_over_L0"], points[given_name]
         error = given * relative_error(label, a, given)
         write(
@@ -327,17 +327,19 @@ def profile(part, name, t_star=None):
 
 
 def profile_rows(t_star, h):
-    """Every twentieth point of a profile on AT, up to its end, for the figures."""
+    """Every tenth point of a profile on AT, up to its end, for the figures."""
     last = np.flatnonzero(h > 0.0)[-1] + 2
     return [
         (int(t_star), round(float(x), 3), round(float(value), 4))
-        for x, value in zip(AT[: last + 20 : 20], h[: last + 20 : 20], strict=True)
+        for x, value in zip(AT[: last + 10 : 10], h[: last + 10 : 10], strict=True)
     ]
 
 
-def table(path):
-    """A numeric table of the data, by column name."""
-    return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+def table(path, columns=None):
+    """A numeric table of the data, or some of its columns, by column name."""
+    return np.genfromtxt(
+        path, delimiter=",", names=True, dtype=None, encoding="utf-8", usecols=columns
+    )
 
 
 def read(path):
