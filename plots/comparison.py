@@ -71,12 +71,12 @@ def panels(name, given, computed, runs, times):
         for number, (run, (label, style)) in enumerate(runs.items()):
             curves = by_time([row for row in computed if row["name"] == run])
             panel.plot(*curves[float(t_star)], style, color=COLOURS[number], lw=1.2, label=label)
-        panel.set_title(f"t* = {t_star}", loc="right", y=0.72, fontsize=9)
+        panel.set_title(f"t* = {t_star}", loc="right", y=0.76, fontsize=9)
         panel.set_ylabel("h/h$_0$")
         panel.set_ylim(bottom=0.0)
     axes[-1].set_xlim(left=0.0)
     axes[-1].set_xlabel("distance from the symmetry plane / h$_0$")
-    axes[0].legend(loc="lower left", fontsize=8)
+    axes[0].legend(loc="center right", fontsize=8)
     save(figure, name)
 
 

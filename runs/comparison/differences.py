@@ -72,7 +72,7 @@ def compare(data):
             print("".join(f"{str(item):<{width}}" for item, width in zip(row, WIDTHS, strict=True)))
 
 
-WIDTHS = (34, 36, 12, 10, 10, 10, 10, 8)
+WIDTHS = (36, 36, 12, 10, 10, 10, 10, 8)
 
 
 def line(comparison, quantity, at, data, uncertainty, computed):
@@ -153,7 +153,6 @@ def dated_discs(data, variant=""):
 def volume_of_fluid(data):
     """Fronts and L1 differences of the volume-of-fluid set-up on three grids."""
     facets = table(data / "continuum" / "basilisk_muI_column" / "interface_a0.5.csv")
-    outline = table(data / "particles" / "contact_dynamics" / "profiles_a0.5.csv")
     rows, curves = [], []
     for t_star in range(5):
         here = facets["t_star"] == t_star
@@ -161,10 +160,8 @@ def volume_of_fluid(data):
         curves += profile_rows(t_star, top)
         if t_star == 0:
             continue
-        here, at = outline["k"] == t_star, f"t* = {t_star}"
-        mean = mean_half(outline["x_over_H0"][here], outline["h_over_H0"][here], AT)
-        published, given = VOF_L1[t_star - 1], VOF_FRONTS[t_star - 1]
-        own = l1_difference(AT, top, mean)
+        at, published, given = f"t* = {t_star}", VOF_L1[t_star - 1], VOF_FRONTS[t_star - 1]
+        own = reference_l1(data, t_star, top)
         rows.append(line("the other solver", "its L1 to the discs", at, published, None, own))
         for cells in (13, 26, 52):
             name = f"volume of fluid, h0/{cells}"
@@ -172,7 +169,7 @@ def volume_of_fluid(data):
             for label, level in (("0.03 h0", THIN), ("0.01 h0", 0.01)):
                 found = front_position(AT, h, level)
                 rows.append(line(name, f"front at {label}", at, given, VOF_CELL, found))
-            found = l1_difference(AT, h, mean)
+            found = reference_l1(data, t_star, h)
             rows.append(line(name, "L1 to the discs", at, published, None, found))
             rows.append(
                 (
@@ -187,7 +184,29 @@ def volume_of_fluid(data):
                 )
             )
     write(HERE / "reference" / "volume_of_fluid_a0.5.csv", PROFILE_HEADER, curves)
-    return sorted(rows, key=lambda row: row[0])
+    return sorted(rows, key=lambda row: row[0]) + finer_volume_of_fluid(data)
+
+
+def finer_volume_of_fluid(data):
+    """The other solver on a grid twice as fine against the computation on one twice as fine."""
+    rows = []
+    for row in table(data / "peers" / "basilisk_vs_contact_dynamics.csv"):
+        if row["level"] == 8 and row["aspect"] == 0.5 and row["t_over_T"] > 0:
+            at, name = f"t* = {row['t_over_T']}", "volume of fluid, its h0/51, h0/52"
+            h = computed_profile("volume_of_fluid", "cells52", row["t_over_T"])
+            found, given = front_position(AT, h, THIN), row["front_last_h003"]
+            rows.append(line(name, "front at 0.03 h0", at, given, 0.5 * VOF_CELL, found))
+            found = reference_l1(data, row["t_over_T"], h)
+            rows.append(line(name, "L1 to the discs", at, row["L1_rel_diff"], None, found))
+    return rows
+
+
+def reference_l1(data, t_star, h):
+    """L1 difference of a profile on AT to the column of discs of aspect ratio 0.5."""
+    outline = table(data / "particles" / "contact_dynamics" / "profiles_a0.5.csv")
+    here = outline["k"] == t_star
+    mean = mean_half(outline["x_over_H0"][here], outline["h_over_H0"][here], AT)
+    return l1_difference(AT, h, mean)
 
 
 # -- experiments -------------------------------------------------------------------------------
