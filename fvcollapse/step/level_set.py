@@ -251,7 +251,8 @@ def reinitialise(phi, sweeps, dx, dz):
             for kk in range(nz):
                 k = kk if sweep % 4 < 2 else nz - 1 - kk
                 a, b = i + 3, k + 3
-                if old[a, b] == 0.0 or abs(old[a, b]) > limit + 2.0 * max(dx, dz):
+                # the clamp below, shifted by the volume corrections since, must not leave nodes out
+                if old[a, b] == 0.0 or abs(old[a, b]) > limit + 4.0 * max(dx, dz):
                     continue
                 right, s_right = one_sided(new, old, a, b, 1, 0, dx)
                 left, s_left = one_sided(new, old, a, b, -1, 0, dx)

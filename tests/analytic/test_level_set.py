@@ -41,6 +41,18 @@ def test_restoring_the_distance_does_not_move_the_surface():
     assert np.abs(phi - distance)[near].max() < 0.03 / 64
 
 
+@pytest.mark.parametrize("shift", [-0.02, 0.02])
+def test_restoring_reaches_what_lay_deep_inside(shift):
+    """A level surface has come down five cells; what is deep inside holds the clamp, shifted by the volume's."""
+    h = 1 / 40
+    z = np.tile(np.arange(41) * h, (12, 1))
+    clamp = (level_set.BAND + 2.0) * h
+    phi = np.where(z > 18.5 * h, np.minimum(z - 20 * h, clamp), -clamp) + shift * h
+    level_set.reinitialise(phi, level_set.SWEEPS, h, h)
+    near = np.abs(z - 20 * h) < 3 * h
+    np.testing.assert_allclose(phi[near], (z - 20 * h + shift * h)[near], atol=1e-3 * h)
+
+
 def test_slotted_disc_is_a_distance():
     x, z = nodes(400)
     phi = exact.slotted_disc(x, z)

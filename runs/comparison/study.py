@@ -1,0 +1,251 @@
+"""Collapses that other people computed or measured, recomputed with their constants; nothing is tuned.
+
+    python runs/comparison/study.py columns volume_of_fluid channel plane differences --data FOLDER
+
+FOLDER holds the published data (particles, continuum, lab). Each part but the last runs its cases
+and writes runs/comparison/<part>.csv and <part>_profiles.csv; cases already in the table are not
+run again. The last compares the tables with the data, writes differences.csv and the reference
+curves of the figures, and prints the differences in units of the uncertainty of the data.
+"""
+
+import argparse
+import csv
+import json
+import math
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).parent
+GRAVITY = 9.81
+# mu(I) of the discs, with the bulk density in I as the other solver has it
+DISCS = {
+    "rheology.mu_1": 0.32,
+    "rheology.mu_2": 0.60,
+    "rheology.I_0": 0.40,
+    "rheology.density_grain": 1550.0,
+    "rheology.density_bulk": 1550.0,
+}
+# symmetry plane without friction, rough bed, instant release, no lateral walls
+TWO_SIDED = {
+    "geometry.slope_angle_deg": 0.0,
+    "geometry.channel_width": math.inf,
+    "boundary.mu_bed": math.inf,
+    "boundary.mu_back_wall": 0.0,
+    "gate.speed": math.inf,
+}
+DISC = 0.005  # m, diameter of the discs
+DATED = (0.66, 0.95, 1.24, 1.52, 2.28)  # times of the dated discs, in sqrt(height / g)
+FINAL_ONLY = ("channel", "plane")  # parts of which only the deposit is kept
+BEAD = 0.00115  # m
+MU_WALL = math.tan(math.radians(24.8))  # measured friction of the beads on the walls
+CHANNEL_AREA = 0.0064  # m2 of column; the data give ratios only, so the size is an assumption
+ASPECTS = (0.3, 0.5, 0.8, 1.2, 2.0, 3.0, 4.5, 7.0)
+
+
+def columns():
+    """The columns of the contact-dynamics discs, to the end of the motion."""
+    return {
+        "a0.5": two_sided(0.149, 0.5, 1 / 30, cells=26, end=8),
+        "a6.26": two_sided(0.67, 6.26, DISC / 0.67, 64, 8, DATED),
+        "a6.26_fine": two_sided(0.67, 6.26, DISC / 0.67, 100, 8, DATED),
+    }
+
+
+def volume_of_fluid():
+    """The column 1 x 2 of the volume-of-fluid solution; its cell is 1/25.6 of the height."""
+    return {
+        f"cells{cells}": two_sided(0.14, 0.5, 1 / 30, cells=cells, end=4) for cells in (13, 26, 52)
+    }
+
+
+def plane():
+    """Columns of other aspect ratios in the same set-up, for the scaling laws of two-dimensional flow."""
+    return {
+        f"a{aspect:g}": two_sided(0.149 * aspect**0.5, aspect, 1 / 60, cells=cells, end=8)
+        for aspect, cells in ((1.0, 26), (2.0, 32), (4.0, 64))
+    }
+
+
+def channel():
+    """Beads in a channel 45 mm wide, whose walls have the measured friction; then its sensitivities."""
+    cases = {f"a{aspect:g}": beads(aspect) for aspect in ASPECTS}
+    for aspect in (0.5, 2.0):
+        cases[f"a{aspect:g}_smooth_sides"] = beads(aspect, mu_wall=0.0)
+        cases[f"a{aspect:g}_half_size"] = beads(aspect, area=0.25 * CHANNEL_AREA)
+        cases[f"a{aspect:g}_rough_bed"] = beads(aspect, **{"boundary.mu_bed": math.inf})
+    return cases
+
+
+def two_sided(height, aspect, grain, cells, end, dated=()):
+    """Settings of a two-sided column of discs.
+
+    Parameters
+    ----------
+    height : float
+        Height [m].
+    aspect : float
+        Height over half width.
+    grain : float
+        Grain diameter over height.
+    cells : int
+        Cells per height.
+    end : int
+        Last time, in sqrt(height / g); profiles are kept at the whole numbers.
+    dated : tuple
+        Further times of profiles.
+    """
+    return (
+        TWO_SIDED
+        | DISCS
+        | {"geometry.height_0": height, "geometry.length_0": height / aspect}
+        | {"rheology.grain_diameter": grain * height, "grid.cell_size": height / cells}
+        | times(height, end, dated)
+    )
+
+
+def beads(aspect, mu_wall=MU_WALL, area=CHANNEL_AREA, **changes):
+    """Settings of a column of glass beads; 16 cells in its smaller dimension.
+
+    mu_1 is the measured repose angle, mu_2 and I_0 those of glass beads (Jop et al.); bed and back
+    wall have the measured friction of the walls, for want of their own.
+    """
+    height = math.sqrt(area * aspect)
+    return {
+        "geometry.slope_angle_deg": 0.0,
+        "geometry.channel_width": 0.045,
+        "geometry.height_0": height,
+        "geometry.length_0": height / aspect,
+        "rheology.mu_1": math.tan(math.radians(22.0)),
+        "rheology.mu_2": 0.6435,
+        "rheology.I_0": 0.279,
+        "rheology.grain_diameter": BEAD,
+        "boundary.mu_bed": MU_WALL,
+        "boundary.mu_back_wall": MU_WALL,
+        "gate.speed": math.inf,
+        "front.thickness": 2.0 * BEAD,
+        "grid.cell_size": min(height, height / aspect) / 16,
+        "effects.lateral_friction": {"mu_wall": mu_wall},
+        **times(height, 8),
+        **changes,
+    }
+
+
+def times(height, end, dated=()):
+    """Settings of the output: profiles at whole multiples of sqrt(height / g), and at `dated` ones."""
+    unit = math.sqrt(height / GRAVITY)
+    return {
+        "time.end": end * unit,
+        "time.output_interval": end * unit,
+        "time.field_interval": end * unit,
+        "time.output_times": [n * unit for n in sorted((*range(1, end), *dated))],
+    }
+
+
+# -- runs --------------------------------------------------------------------------------------
+
+
+def run_one(name, settings, deposit_only):
+    """Run one case in memory: its row of the table, and its profiles."""
+    from fvcollapse import run
+    from fvcollapse.case import case_from_text
+
+    case = case_from_text("", source=name).replace(**settings)
+    start = time.process_time()
+    result = run(case)
+    series, height = result.series, case.geometry.height_0
+    summary = result.summary()
+    row = {
+        "name": name,
+        "settings": json.dumps(settings),
+        "aspect": round(height / case.geometry.length_0, 4),
+        "runout_over_l0": round(summary["runout"] / case.geometry.length_0 - 1.0, 4),
+        "runout_1mm_over_l0": round(summary["runout_1mm"] / case.geometry.length_0 - 1.0, 4),
+        "final_height_over_l0": round(summary["final_thickness"] / case.geometry.length_0, 4),
+        "max_speed_end": float(f"{summary['final_max_speed']:.3g}"),
+        "volume_error_max": float(f"{summary['volume_error_max']:.3g}"),
+        "volume_correction": float(f"{summary['volume_correction']:.3g}"),
+        "steps": summary["steps"],
+        "capped_steps": summary["capped_steps"],
+        "x_99_curve": json.dumps(
+            curve(series["time"], series["x_99"], height, np.arange(0.0, 8.01, 0.1))
+        ),
+        "cpu_s": round(time.process_time() - start, 1),
+    }
+    profiles = result.profiles
+    if deposit_only:
+        profiles = profiles._replace(time=profiles.time[-1:], thickness=profiles.thickness[-1:])
+    return row, profile_rows(name, profiles, height)
+
+
+def curve(t, value, height, at):
+    """A series in column heights at the times `at` in sqrt(height / g), as far as it goes."""
+    t_star = np.asarray(t) * math.sqrt(GRAVITY / height)
+    at = at[at <= t_star[-1] + 1e-6]
+    return (np.interp(at, t_star, value) / height).round(4).tolist()
+
+
+def profile_rows(name, profiles, height):
+    """Profiles in column heights, from the back wall to the first bare node beyond the grains."""
+    rows = []
+    for t, h in zip(profiles.time, profiles.thickness, strict=True):
+        t_star = round(float(t) * math.sqrt(GRAVITY / height), 3)
+        last = min(np.flatnonzero(h > 0.0)[-1] + 2, h.size)
+        rows += [
+            (name, t_star, round(x / height, 4), round(value / height, 4))
+            for x, value in zip(profiles.x[:last].tolist(), h[:last].tolist(), strict=True)
+        ]
+    return rows
+
+
+def run_part(part, workers):
+    """Run what is missing of one part and rewrite its tables after every case."""
+    done = {row["name"]: row for row in read(HERE / f"{part}.csv")}
+    profiles = [tuple(row.values()) for row in read(HERE / f"{part}_profiles.csv")]
+    cases = {name: settings for name, settings in globals()[part]().items() if name not in done}
+    with ProcessPoolExecutor(workers) as pool:
+        for future in as_completed(
+            [pool.submit(run_one, *item, part in FINAL_ONLY) for item in cases.items()]
+        ):
+            row, lines = future.result()
+            done[row["name"]] = row
+            profiles += lines
+            write(HERE / f"{part}.csv", list(row), [list(row.values()) for row in done.values()])
+            header = ["name", "t_star", "x_over_h0", "h_over_h0"]
+            write(HERE / f"{part}_profiles.csv", header, profiles)
+            hidden = ("settings", "x_99_curve")
+            print({key: value for key, value in row.items() if key not in hidden}, flush=True)
+
+
+def read(path):
+    """Rows of a table as dictionaries; none if it is missing."""
+    if not path.exists():
+        return []
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def write(path, header, rows):
+    """Write a table."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    runs = ["columns", "volume_of_fluid", "channel", "plane"]
+    parser.add_argument("parts", nargs="+", choices=[*runs, "differences"])
+    parser.add_argument("--data", type=Path, required=True, help="folder of the published data")
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+    for name in arguments.parts:
+        if name == "differences":
+            from differences import compare
+
+            compare(arguments.data)
+        else:
+            run_part(name, arguments.workers)
