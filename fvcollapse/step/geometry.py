@@ -172,31 +172,43 @@ def fill_walls(bed_cover, wall_cover, level_set):
 
 @njit(cache=True)
 def number_unknowns(index_u, index_w, filled, aperture, open_end, first, last):
-    """Number the faces that touch a wet cell, column by column; return (count, half bandwidth).
+    """Number the faces that touch a wet cell; return (count, half bandwidth).
 
-    A face between a filled and an empty cell is an unknown too: otherwise a free vertical face
-    would be a wall. The columns outside [first, last) repeat a periodic stretch and share its
-    numbers.
+    Column by column, for a pile is longer than high; a periodic stretch row by row, for its last
+    column meets the first. A face between a filled and an empty cell is an unknown too: otherwise a
+    free vertical face would be a wall. The columns outside [first, last) repeat a periodic stretch
+    and share its numbers.
     """
     nx, nz = filled.shape
     index_u[:] = -1
     index_w[:] = -1
     n = 0
-    periodic = first > 0
-    for i in range(first, last if periodic else nx + 1):
+    if first > 0:
         for k in range(nz):
-            left = i > 0 and filled[i - 1, k] > WET
-            right = i < nx and filled[i, k] > WET
-            if i > 0 and (i < nx or open_end) and (left or right) and aperture[i, k] > 0.0:
-                index_u[i, k] = n
-                n += 1
-            if i < nx and k > 0 and (filled[i, k] > WET or filled[i, k - 1] > WET):
-                index_w[i, k] = n
-                n += 1
-    if periodic:
+            for i in range(first, last):
+                n = _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n)
         repeat_columns(index_u, first, last)
         repeat_columns(index_w, first, last)
+    else:
+        for i in range(nx + 1):
+            for k in range(nz):
+                n = _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n)
     return n, _half_bandwidth(index_u, index_w, first, last)
+
+
+@njit(cache=True)
+def _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n):
+    """Number the left face of cell (i, k), then its lower one, from n on; return the next number."""
+    nx = filled.shape[0]
+    left = i > 0 and filled[i - 1, k] > WET
+    right = i < nx and filled[i, k] > WET
+    if i > 0 and (i < nx or open_end) and (left or right) and aperture[i, k] > 0.0:
+        index_u[i, k] = n
+        n += 1
+    if i < nx and k > 0 and (filled[i, k] > WET or filled[i, k - 1] > WET):
+        index_w[i, k] = n
+        n += 1
+    return n
 
 
 @njit(cache=True)

@@ -3,9 +3,10 @@
 from fvcollapse.verification import (
     problems_box,
     problems_collapse,
+    problems_growth,
     problems_surface,
     problems_uniform,
 )
 
-GROUPS = (problems_uniform, problems_box, problems_surface, problems_collapse)
+GROUPS = (problems_uniform, problems_box, problems_surface, problems_collapse, problems_growth)
 PROBLEMS = tuple(problem for group in GROUPS for problem in group.PROBLEMS)

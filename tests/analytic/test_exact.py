@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from fvcollapse.case import GRAVITY
+from fvcollapse.step.ill_posedness import criterion, is_ill_posed
 from fvcollapse.verification import exact
 from fvcollapse.verification.boxes import box_case, channel_case
 from fvcollapse.verification.flows import layer_case
@@ -97,3 +98,14 @@ def test_dam_break_keeps_the_volume(slope):
     c = np.sqrt(exact.gravity_normal(case))
     x = 6.0 + shift + np.linspace(-c, 2 * c, 100001) * time
     assert trapezoid(exact.dam_break_depth(case, x, time), x) == pytest.approx(c * time)
+
+
+def test_growth_is_possible_exactly_where_the_criterion_says():
+    """Over random states, the largest rate over all directions against `is_ill_posed`."""
+    random = np.random.default_rng(3)
+    angles = np.linspace(0.0, np.pi, 4001)
+    waves = np.array([np.cos(angles), np.sin(angles)])
+    for exponent, slope in random.uniform(0.01, 0.9, (400, 2)):
+        rates = exact.growth_rate(waves, 1.0, 1.0, exponent, slope, 1.0)
+        if abs(criterion(exponent, slope)) > 1e-3:
+            assert (rates.max() > 0.0) == is_ill_posed(exponent, slope), (exponent, slope)

@@ -9,7 +9,7 @@ from fvcollapse.verification import problem_names, verify
 from fvcollapse.verification.problem import solve
 from fvcollapse.verification.problems import PROBLEMS
 
-SLOW = {"zalesak", "vortex_8s", "cavity", "cavity_ghia"}
+SLOW = {"zalesak", "vortex_8s", "cavity", "cavity_ghia", "growth_ill_posed", "growth_well_posed"}
 
 
 def on_coarse_grids(problem):
