@@ -128,11 +128,11 @@ class Box(Simulation):
             geometry.last if self.halo else right,
         )
 
-    def _solve(self, u_star, w_star, dt):
-        u_star += dt * self.force_u
-        w_star += dt * self.force_w
-        self._add_walls(u_star, w_star, dt)
-        return super()._solve(u_star, w_star, dt)
+    def _solve(self, u_star, w_star, impulse, balance):
+        u_star += balance.dt * self.force_u
+        w_star += balance.dt * self.force_w
+        self._add_walls(u_star, w_star, balance.dt)
+        return super()._solve(u_star, w_star, impulse, balance)
 
     def _add_walls(self, u_star, w_star, dt):
         """Friction of the walls that the solver does not know; dt < h^2/(2 nu) keeps it stable.
