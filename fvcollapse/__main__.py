@@ -142,6 +142,12 @@ def add_verify(commands):
         "names", metavar="NAME", nargs="*", help="verification problems; default all"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the table as JSON")
+    parser.add_argument(
+        "--markdown",
+        metavar="FILE",
+        type=Path,
+        help="write it by term of the equations, for a page",
+    )
     parser.set_defaults(command=verify)
 
 
@@ -149,7 +155,7 @@ def verify(arguments):
     """Solve flows with an exact solution on several grids; print errors and orders (0: all pass)."""
     from fvcollapse.verification import verify as verify_problems
 
-    rows = verify_problems(arguments.names, arguments.json)
+    rows = verify_problems(arguments.names, arguments.json, arguments.markdown)
     return 0 if all(row["passed"] for row in rows) else 1
 
 

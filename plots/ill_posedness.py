@@ -107,11 +107,20 @@ def draw_rate(axes, result):
     dx = field["dx"]
     dz = field["dz"]
     image = axes.pcolormesh(
-        dx * np.arange(nx + 1), dz * np.arange(nz + 1), rate.T, norm=LogNorm(0.1, 300.0), cmap="viridis"
+        dx * np.arange(nx + 1),
+        dz * np.arange(nz + 1),
+        rate.T,
+        norm=LogNorm(0.1, 300.0),
+        cmap="viridis",
     )
     mask = ill_posed_cells(result, field)
     axes.contour(
-        dx * (np.arange(nx) + 0.5), dz * (np.arange(nz) + 0.5), mask.T, [0.5], colors="w", linewidths=0.5
+        dx * (np.arange(nx) + 0.5),
+        dz * (np.arange(nz) + 0.5),
+        mask.T,
+        [0.5],
+        colors="w",
+        linewidths=0.5,
     )
     axes.set_title(
         f"{NAMES[result.case.rheology.law]}, {1e3 * result.case.grid.cell_size:g} mm", fontsize=9

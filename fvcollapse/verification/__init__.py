@@ -14,7 +14,7 @@ def problem_names():
     return [problem.name for problem in PROBLEMS]
 
 
-def verify(names=None, json_path=None):
+def verify(names=None, json_path=None, markdown_path=None):
     """Solve the named verification problems (all, if none are named); print and write the table.
 
     Parameters
@@ -23,6 +23,8 @@ def verify(names=None, json_path=None):
         Problems, as in `problem_names()`.
     json_path : str or Path, optional
         Where to write the list of rows.
+    markdown_path : str or Path, optional
+        Where to write the table term, file, problem, error.
 
     Returns
     -------
@@ -32,6 +34,7 @@ def verify(names=None, json_path=None):
     """
     from fvcollapse.verification.problem import solve
     from fvcollapse.verification.problems import PROBLEMS
+    from fvcollapse.verification.terms import markdown_table
 
     by_name = {problem.name: problem for problem in PROBLEMS}
     for name in names or ():
@@ -40,15 +43,18 @@ def verify(names=None, json_path=None):
             raise InputError(
                 "command line", "NAME", name, f"a verification problem; the closest is {near}"
             )
-    if json_path is not None and not Path(json_path).absolute().parent.is_dir():
-        raise OutputError(json_path, "no such folder", running=False)
+    for path in (json_path, markdown_path):
+        if path is not None and not Path(path).absolute().parent.is_dir():
+            raise OutputError(path, "no such folder", running=False)
     rows = []
     print(HEADING)
     for name in names or by_name:
         rows.append(solve(by_name[name]))
         print(table_line(rows[-1]), flush=True)
     if json_path is not None:
-        write_json(rows, Path(json_path))
+        write_text(json.dumps(rows, indent=1) + "\n", Path(json_path))
+    if markdown_path is not None:
+        write_text(markdown_table(rows), Path(markdown_path))
     return rows
 
 
@@ -70,8 +76,8 @@ def table_line(row):
     return f"{row['name']:30s} {grids:>16s} {norms} {ends}"
 
 
-def write_json(rows, path):
-    """Write the rows as a JSON list.
+def write_text(text, path):
+    """Write a table.
 
     Raises
     ------
@@ -79,6 +85,6 @@ def write_json(rows, path):
         If the file cannot be written.
     """
     try:
-        path.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError(path, error, running=True) from None

@@ -1,13 +1,16 @@
 """Every verification problem: on its first three grids, and on all of them with `-m slow`."""
 
 import json
+from pathlib import Path
 
 import pytest
 
+import fvcollapse
 from fvcollapse.__main__ import main
 from fvcollapse.verification import problem_names, verify
 from fvcollapse.verification.problem import solve
 from fvcollapse.verification.problems import PROBLEMS
+from fvcollapse.verification.terms import TERMS
 
 SLOW = {"zalesak", "vortex_8s", "cavity", "cavity_ghia", "growth_ill_posed", "growth_well_posed"}
 
@@ -74,3 +77,12 @@ def test_unknown_problem_is_refused(capsys):
 
 def test_names_are_unique():
     assert len(set(problem_names())) == len(PROBLEMS) >= 20
+
+
+def test_every_problem_belongs_to_one_term(tmp_path):
+    listed = [name for _, _, names in TERMS for name in names]
+    assert sorted(listed) == sorted(problem_names())
+    package = Path(fvcollapse.__file__).parent
+    assert all((package / file).is_file() for _, file, _ in TERMS)
+    verify(["bed_slip"], markdown_path=tmp_path / "table.md")
+    assert "| `step/coulomb_walls.py` | bed_slip |" in (tmp_path / "table.md").read_text()
