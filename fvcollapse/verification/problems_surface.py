@@ -121,7 +121,7 @@ PROBLEMS = (
         surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0),
         (64, 128, 192),
         None,
-        1.5,
+        0.2,
         "filaments thinner than a cell are lost",
     ),
 )
