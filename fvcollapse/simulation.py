@@ -17,7 +17,7 @@ from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import lapack_addresses
-from .step.energy import loss_of_step, work_of_step
+from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
 from .step.geometry import (
@@ -249,9 +249,10 @@ class Simulation:
             level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
             state.travel, state.travel_steps = 0.0, 0
         self._repeat(state.level_set)
+        self.outflow = Outflow(0.0, 0.0)
         if fastest == 0.0:
             return 0.0
-        self._book_outflow(u_node, dt)
+        self._book_outflow(u_node, w_node, dt)
         target = (state.volume_0 - state.volume_outflow) / (dx * dz)
         added = (
             level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz))
@@ -261,19 +262,24 @@ class Simulation:
         state.volume_correction += abs(added)
         return added
 
-    def _book_outflow(self, u_node, dt):
+    def _book_outflow(self, u_node, w_node, dt):
         """Volume and energy that cross an open end during the step."""
         if self.case.boundary.right_end != "open":
             return
         phi, (dx, dz) = self.state.level_set[-1], self.spacing
         speed = 0.5 * (u_node[-1, :-1] + u_node[-1, 1:])
+        rise = 0.5 * (w_node[-1, :-1] + w_node[-1, 1:])
         wetted = np.array([wetted_edge(*ends) for ends in itertools.pairwise(phi)])
         through = np.maximum(wetted * speed, 0.0) * dz * dt
         gx, gz = self.gravity
-        potential = -gx * self.grid.nx * dx - gz * self.grid.z_centres
-        density = self.case.rheology.density_bulk
+        middle = self.grid.z_nodes[:-1] + 0.5 * wetted * dz
+        mass = self.case.rheology.density_bulk * through
+        self.outflow = Outflow(
+            float(mass @ (0.5 * (speed**2 + rise**2))),
+            float(mass @ (-gx * self.grid.nx * dx - gz * middle)),
+        )
         self.state.volume_outflow += through.sum()
-        self.state.energy_outflow += density * through @ (0.5 * speed**2 + potential)
+        self.state.energy_outflow += sum(self.outflow)
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
@@ -340,7 +346,15 @@ class Simulation:
         state, energy = self.state, self.energies()
         work = work_of_step(self.work, state, self.geometry, impulse, balance, *self.spacing)
         loss = loss_of_step(
-            self.energy, energy, state, u_star, w_star, self.geometry, balance, *self.spacing
+            self.energy,
+            energy,
+            self.outflow,
+            state,
+            u_star,
+            w_star,
+            self.geometry,
+            balance,
+            *self.spacing,
         )
         for kind, terms in (("work", work), ("loss", loss)):
             for name, value in terms._asdict().items():
@@ -446,6 +460,7 @@ class Simulation:
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
             self._allocate()
+            self._place(self.state.time)
 
     def _settle(self):
         """Static pressure behind the closed gate, with all friction at work; then at rest."""

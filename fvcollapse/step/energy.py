@@ -37,6 +37,13 @@ class Loss(NamedTuple):
     surface: float
 
 
+class Outflow(NamedTuple):
+    """Energy that left through an open end during the step, J/m."""
+
+    kinetic: float
+    potential: float
+
+
 @njit(cache=True)
 def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     """Power of the viscous stress per cell volume, Pa/s: sum of eta (2 D:D) as the solver assembles it."""
@@ -101,13 +108,16 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     return Work(dt * (bulk + bed_shear + wall_shear), dt * bed, dt * wall, dt * lateral)
 
 
-def loss_of_step(energy_before, energy_after, state, u_star, w_star, geometry, balance, dx, dz):
+def loss_of_step(
+    energy_before, energy_after, outflow, state, u_star, w_star, geometry, balance, dx, dz
+):
     """What the discretisation took during one step.
 
     Parameters
     ----------
     energy_before, energy_after : dict
         From `quantities.energies`, at both ends of the step.
+    outflow : Outflow
     state : State
         Velocity after the solve.
     u_star, w_star : arrays
@@ -128,5 +138,9 @@ def loss_of_step(energy_before, energy_after, state, u_star, w_star, geometry, b
     carried = 0.5 * cell * sum(np.sum(mass * v_star**2) for mass, _, v_star in faces)
     gravity = balance.gx * np.sum(geometry.mass_x * state.u)
     gravity += balance.gz * np.sum(geometry.mass_z * state.w)
-    released = energy_before["potential"] - energy_after["potential"]
-    return Loss(time, energy_before["kinetic"] - carried, released - cell * balance.dt * gravity)
+    released = energy_before["potential"] - energy_after["potential"] - outflow.potential
+    return Loss(
+        time,
+        energy_before["kinetic"] - outflow.kinetic - carried,
+        released - cell * balance.dt * gravity,
+    )

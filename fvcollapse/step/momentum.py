@@ -143,14 +143,14 @@ def with_ghosts(field, slip, odd_x, odd_z):
     """Copy of a velocity component with two more faces on each side.
 
     Back wall and bed mirror it: about zero the component normal to them (odd), u about the slip of
-    the bed; the far sides repeat the last face.
+    the bed; the far end continues it linearly, the top repeats the last face.
     """
     nx, nz = field.shape
     padded = np.empty((nx + 4, nz + 4))
     padded[2 : nx + 2, 2 : nz + 2] = field
     for m in range(2):
         padded[1 - m, 2 : nz + 2] = -field[1 + m] if odd_x else field[m]
-        padded[nx + 2 + m, 2 : nz + 2] = field[nx - 1]
+        padded[nx + 2 + m, 2 : nz + 2] = field[nx - 1] + (m + 1) * (field[nx - 1] - field[nx - 2])
     for m in range(2):
         for i in range(nx + 4):
             inner = padded[i, 3 + m] if odd_z else padded[i, 2 + m]
@@ -187,11 +187,26 @@ def _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, flux):
 
 
 @njit(cache=True)
-def transport(moved, start, padded, mass, along, across, di, dk):
+def _let_out(gain, arriving, leaving, start, padded, di, end):
+    """Book what leaves through the far end of the domain: from the last face itself (u), or beside it (w)."""
+    i = start.shape[0] - 1
+    for k in range(start.shape[1]):
+        here = padded[i + 2, k + 2]
+        if end[k] > 0.0 and di == 0:
+            here = upwind_weno3(padded[i + 1, k + 2], here, padded[i + 3, k + 2])
+        gain[i, k] -= end[k] * (here - start[i, k])
+        leaving[i, k] += max(end[k], 0.0)
+        arriving[i, k] += max(-end[k], 0.0)
+
+
+@njit(cache=True)
+def transport(moved, start, padded, mass, along, across, end, di, dk):
     """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes).
 
-    (di, dk) is the direction of the component. A control volume that is all but emptied gives no
-    more than it has.
+    (di, dk) is the direction of the component, `end` the flux through the far end. A control volume
+    from which more flows out than stays keeps the momentum that this overdraws; the momentum is
+    otherwise conserved in the transported mass, from which the lever-rule mass of the solve differs
+    at the surface.
     """
     nx, nz = along.shape
     gain, arriving, leaving = (
@@ -205,6 +220,7 @@ def transport(moved, start, padded, mass, along, across, di, dk):
     for i in range(dk, across.shape[0] - dk):
         for k in range(di, across.shape[1] - di):
             _pass_on(gain, arriving, leaving, start, padded, i - dk, k - di, dk, di, across[i, k])
+    _let_out(gain, arriving, leaving, start, padded, di, end)
     for i in range(start.shape[0]):
         for k in range(start.shape[1]):
             into, out = arriving[i, k], leaving[i, k]
@@ -235,15 +251,48 @@ def advect_momentum(u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, 
     along_u, along_w = np.empty((nx, nz)), np.empty((nx, nz))
     across_u, across_w = np.empty((nx + 1, nz + 1)), np.empty((nx + 1, nz + 1))
     mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, dt, dx, dz)
+    end_u = np.zeros(nz)
+    for k in range(nz):
+        wetted = wetted_edge(phi_old[nx, k], phi_old[nx, k + 1])
+        wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
+        end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx
     second = np.empty_like(u)
-    transport(u_star, u, with_ghosts(u, bed_slip, True, False), mass_u, along_u, across_u, 1, 0)
     transport(
-        second, u, with_ghosts(u_star, bed_slip, True, False), mass_u, along_u, across_u, 1, 0
+        u_star, u, with_ghosts(u, bed_slip, True, False), mass_u, along_u, across_u, end_u, 1, 0
+    )
+    transport(
+        second,
+        u,
+        with_ghosts(u_star, bed_slip, True, False),
+        mass_u,
+        along_u,
+        across_u,
+        end_u,
+        1,
+        0,
     )
     u_star[:] = 0.5 * (u_star + second)
     second = np.empty_like(w)
-    transport(w_star, w, with_ghosts(w, bed_slip, False, True), mass_w, along_w, across_w, 0, 1)
     transport(
-        second, w, with_ghosts(w_star, bed_slip, False, True), mass_w, along_w, across_w, 0, 1
+        w_star,
+        w,
+        with_ghosts(w, bed_slip, False, True),
+        mass_w,
+        along_w,
+        across_w,
+        across_w[nx],
+        0,
+        1,
+    )
+    transport(
+        second,
+        w,
+        with_ghosts(w_star, bed_slip, False, True),
+        mass_w,
+        along_w,
+        across_w,
+        across_w[nx],
+        0,
+        1,
     )
     w_star[:] = 0.5 * (w_star + second)

@@ -72,6 +72,20 @@ def test_smooth_flow_is_second_order():
     assert -order > 1.8
 
 
+def test_a_linear_flow_leaves_through_the_end_as_it_flows_inside():
+    """Rate of u = x, w = -z in a full box: -u u_x = -x and -w w_z = -z, at the open end too."""
+    cells, dt = 20, 1e-4
+    phi = np.full((cells + 1, cells + 1), -1.0)
+    nodes, centres = np.arange(cells + 1) / cells, (np.arange(cells) + 0.5) / cells
+    u = np.tile(1.0 + nodes[:, None], (1, cells))
+    w = np.tile(-nodes, (cells, 1)) + centres[:, None]
+    u_star, w_star = advected(u, w, phi, phi, dt)
+    # the last face owns half a control volume: first order, a quarter of a cell of u = 2
+    assert ((u_star - u) / dt)[1:] == pytest.approx(-u[1:], rel=0.25 / cells + 0.002)
+    across = 1.0 + centres[:, None]  # u w_x with w_x = 1, and w w_z = -w
+    assert ((w_star - w) / dt)[1:, 2:-2] == pytest.approx((w - across)[1:, 2:-2], rel=0.01)
+
+
 def moving_disc_gain(cells):
     """Relative gain of x-momentum while a disc in plane strain moves with the flow for ten steps."""
     phi, (u, w) = blob(cells), solenoidal(cells)
