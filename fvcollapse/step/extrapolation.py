@@ -91,15 +91,16 @@ def extrapolate(field, known, layers):
 def mark_known(known_u, known_w, geometry, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
-    A film thinner than `film_thickness` (m) over two neighbouring x-faces is no continuum; it is
-    carried along by the flow behind it instead of being stretched further.
+    A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it
+    instead of being stretched further. Not so a thin place with thicker flow ahead: continued from
+    both sides, its velocity would feed on itself.
     """
     nx, nz = geometry.filled.shape
-    film_here = False
+    thick = nx
+    while thick > 0 and geometry.mass_x[thick].sum() * dz < film_thickness:
+        thick -= 1
     for i in range(nx + 1):
-        film_before = film_here
-        film_here = geometry.mass_x[i].sum() * dz < film_thickness
-        film = film_before and film_here
+        film = i > thick + 1
         for k in range(nz):
             solid = i == 0 or geometry.aperture[i, k] == 0.0
             wet = geometry.index_u[i, k] >= 0 and geometry.mass_x[i, k] >= TRUSTED_U
