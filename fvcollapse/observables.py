@@ -248,7 +248,7 @@ class Observations:
         ]
 
 
-def observe(result, experiment=None, *, front_thickness=None, time_origin=0.0):
+def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
 
     Parameters
@@ -260,12 +260,13 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=0.0):
     front_thickness : float, optional
         Thickness that defines the front [m]; default: the one of the case, from the series of every
         step. Another one is read off the stored profiles.
-    time_origin : float
-        Simulated time that counts as t = 0 [s].
+    time_origin : float, optional
+        Simulated time that counts as t = 0 [s]; default 0.
     """
-    if experiment is not None:
-        front_thickness = getattr(experiment, "front_thickness", front_thickness)
-        time_origin = getattr(experiment, "time_origin", time_origin)
+    if front_thickness is None:
+        front_thickness = getattr(experiment, "front_thickness", None)
+    if time_origin is None:
+        time_origin = getattr(experiment, "time_origin", 0.0)
     profiles, series = result.profiles, result.series
     if front_thickness is None or front_thickness == result.case.front.thickness:
         front = np.column_stack([series["time"], series["front_position"]])

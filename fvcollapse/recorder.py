@@ -46,7 +46,10 @@ SERIES = {
     "work_back_wall": ("J/m", "energy dissipated by slip along the back wall since t = 0"),
     "work_lateral": ("J/m", "energy dissipated at the lateral walls since t = 0"),
     "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
-    "loss_advection": ("J/m", "kinetic energy lost by the advection of momentum since t = 0"),
+    "loss_advection": (
+        "J/m",
+        "kinetic energy lost by advection, and by continuing the velocity beyond the surface, since t = 0",
+    ),
     "loss_surface": (
         "J/m",
         "potential energy lost (negative: gained) by the motion and correction of the surface since t = 0",

@@ -136,6 +136,13 @@ class Simulation:
             dt *= 0.5
         else:
             self.state = start
+            if outcome.info != 0:
+                raise NumericalError(
+                    f"the factorisation meets pivot {outcome.info}, which is not positive, also after "
+                    f"{HALVINGS} halvings of the time step",
+                    "in the momentum solve",
+                    start.time,
+                )
             raise NumericalError(
                 f"the nonlinear sweeps still change the velocity by {outcome.change:.2g} (limit "
                 f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step",

@@ -3,9 +3,10 @@
 The momentum balance of the step, multiplied by its own velocity u and dt, is an identity between the
 gain of kinetic energy from u* to u, the work of gravity, the work against each resistance (not
 negative) and the loss m (u - u*)^2 / 2 of the first-order time step. Two more losses lie outside it:
-the kinetic energy that advection loses between the end of the last step and u*, and the potential
-energy by which the motion and correction of the surface miss the work of gravity. The latter two may
-be gains. All in J/m, per unit width.
+the kinetic energy that advection, and the continuation of the velocity beyond the surface, lose
+between the end of the last solve and u*, and the potential energy by which the motion and
+correction of the surface miss the work of gravity. These two may be gains. All in J/m, per unit
+width.
 """
 
 from typing import NamedTuple
@@ -46,7 +47,7 @@ class Outflow(NamedTuple):
 
 @njit(cache=True)
 def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
-    """Power of the viscous stress per cell volume, Pa/s: sum of eta (2 D:D) as the solver assembles it."""
+    """Power of the viscous stress, summed over cells, Pa/s: eta times the squared deviatoric strain rate."""
     nz = weight_centre.shape[1]
     aperture = geometry.aperture
     power = 0.0

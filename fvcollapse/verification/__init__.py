@@ -2,6 +2,7 @@
 
 import difflib
 import json
+import math
 from pathlib import Path
 
 from fvcollapse.errors import InputError, OutputError
@@ -46,13 +47,15 @@ def verify(names=None, json_path=None, markdown_path=None):
     for path in (json_path, markdown_path):
         if path is not None and not Path(path).absolute().parent.is_dir():
             raise OutputError(path, "no such folder", running=False)
+        if path is not None and Path(path).is_dir():
+            raise OutputError(path, "a folder", running=False)
     rows = []
     print(HEADING)
     for name in names or by_name:
         rows.append(solve(by_name[name]))
         print(table_line(rows[-1]), flush=True)
     if json_path is not None:
-        write_text(json.dumps(rows, indent=1) + "\n", Path(json_path))
+        write_text(json.dumps(finite(rows), indent=1, allow_nan=False) + "\n", Path(json_path))
     if markdown_path is not None:
         write_text(markdown_table(rows), Path(markdown_path))
     return rows
@@ -74,6 +77,15 @@ def table_line(row):
     verdict = "pass" if row["passed"] else "FAIL"
     ends = f"{observed:>6s} {expected:>9s} {row['tolerance']:10.1e} {verdict}"
     return f"{row['name']:30s} {grids:>16s} {norms} {ends}"
+
+
+def finite(value):
+    """The same nested lists and dicts with null in the place of NaN and infinity, for JSON."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def write_text(text, path):

@@ -6,10 +6,13 @@ theory gives an order of convergence, the fitted order is at least the expected 
 """
 
 import math
+import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+
+from fvcollapse.errors import NumericalError
 
 ORDER_MARGIN = 0.2
 
@@ -37,11 +40,11 @@ def solve(problem, grids=None):
     Returns
     -------
     dict
-        name, grids, error_l1, error_l2, error_linf (lists, one value per grid), observed_order,
-        expected_order, tolerance, passed.
+        name, grids, error_l1, error_l2, error_linf (lists, one value per grid; infinite where the
+        solver failed), observed_order, expected_order, tolerance, passed.
     """
     grids = problem.grids if grids is None else grids
-    errors = [np.atleast_1d(problem.errors(cells)) for cells in grids]
+    errors = [errors_on(problem, cells) for cells in grids]
     l1 = [float(np.mean(np.abs(error))) for error in errors]
     l2 = [float(np.sqrt(np.mean(error**2))) for error in errors]
     linf = [float(np.max(np.abs(error))) for error in errors]
@@ -60,6 +63,15 @@ def solve(problem, grids=None):
         "tolerance": problem.tolerance,
         "passed": bool(passed),
     }
+
+
+def errors_on(problem, cells):
+    """Errors on one grid; infinite, with a line on stderr, where the solver fails."""
+    try:
+        return np.atleast_1d(problem.errors(cells))
+    except NumericalError as error:
+        print(f"{problem.name}, {cells} cells: {error}", file=sys.stderr)
+        return np.array([math.inf])
 
 
 def fitted_order(grids, errors):

@@ -76,7 +76,9 @@ def markdown_line(term, file, row):
     grids = ", ".join(str(cells) for cells in row["grids"])
     judged = f"≤ {row['tolerance']:.1e}"
     if row["expected_order"] is not None:
-        judged = f"{row['observed_order']:.2f} ({row['expected_order']:g})"
+        observed = row["observed_order"]
+        judged = "none" if observed is None else f"{observed:.2f}"
+        judged += f" ({row['expected_order']:g})"
     verdict = "" if row["passed"] else " **fails**"
     errors = f"{row['error_l2'][-1]:.1e} / {row['error_linf'][-1]:.1e}"
     return f"| {term} | `{file}` | {row['name']} | {grids} | {errors} | {judged}{verdict} |"
