@@ -83,7 +83,8 @@ def test_a_linear_flow_leaves_through_the_end_as_it_flows_inside():
     # the last face owns half a control volume: first order, a quarter of a cell of u = 2
     assert ((u_star - u) / dt)[1:] == pytest.approx(-u[1:], rel=0.25 / cells + 0.002)
     across = 1.0 + centres[:, None]  # u w_x with w_x = 1, and w w_z = -w
-    assert ((w_star - w) / dt)[1:, 2:-2] == pytest.approx((w - across)[1:, 2:-2], rel=0.01)
+    inner = slice(3, None), slice(2, -2)  # not beside back wall, bed and top, which mirror the flow
+    assert ((w_star - w) / dt)[inner] == pytest.approx((w - across)[inner], rel=0.01)
 
 
 def moving_disc_gain(cells):
