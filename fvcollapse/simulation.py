@@ -82,7 +82,7 @@ class Simulation:
             self._settle()
         else:
             self._place(state.time)
-        self.energy = self.energies()
+        self.energy, self.outflow = self.energies(), Outflow(0.0, 0.0)
 
     @property
     def grid(self):
