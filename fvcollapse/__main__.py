@@ -9,7 +9,7 @@ import os
 import sys
 from pathlib import Path
 
-from fvcollapse.errors import FvcollapseError, InputError, OutputError, one_line
+from fvcollapse.errors import FvcollapseError, InputError, one_line, refuse_bad_target
 from fvcollapse.version import __version__
 
 
@@ -56,9 +56,8 @@ def command_line():
     return parser
 
 
-def add_run(commands):
-    """`run`: one simulation."""
-    parser = commands.add_parser("run", help="run one simulation", description=run.__doc__)
+def add_case(parser):
+    """A case file, and changes to it."""
     parser.add_argument("case", metavar="CASE.toml", type=Path, help="case file")
     parser.add_argument(
         "--set",
@@ -68,6 +67,12 @@ def add_run(commands):
         default=[],
         help="change one key of the case; may be repeated",
     )
+
+
+def add_run(commands):
+    """`run`: one simulation."""
+    parser = commands.add_parser("run", help="run one simulation", description=run.__doc__)
+    add_case(parser)
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
     )
@@ -166,7 +171,7 @@ def add_converge(commands):
         help="refine one numerical parameter; observed order and GCI of each observable",
         description=converge.__doc__,
     )
-    parser.add_argument("case", metavar="CASE.toml", type=Path, help="case file")
+    add_case(parser)
     axes = parser.add_mutually_exclusive_group(required=True)
     for option, what in (
         ("--cell-size", "cell sizes [m]"),
@@ -175,14 +180,6 @@ def add_converge(commands):
         ("--tolerance", "tolerances of the nonlinear iteration"),
     ):
         axes.add_argument(option, metavar="VALUE", nargs="+", type=float, help=what)
-    parser.add_argument(
-        "--set",
-        dest="overrides",
-        metavar="section.key=value",
-        action="append",
-        default=[],
-        help="change one key of the case; may be repeated",
-    )
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="default out/<name of the case>_<parameter>"
     )
@@ -197,8 +194,7 @@ def converge(arguments):
     from fvcollapse.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    if arguments.json is not None and not arguments.json.absolute().parent.is_dir():
-        raise OutputError(arguments.json, "no such folder", running=False)
+    refuse_bad_target(arguments.json)
     from fvcollapse.refinement import AXES, refine
     from fvcollapse.refinement_report import table, write_report
 

@@ -1,5 +1,7 @@
 """What can go wrong, named: every failure is one line that says what and where."""
 
+from pathlib import Path
+
 
 class FvcollapseError(Exception):
     """Base of all errors raised on purpose; the command line returns `exit_status`."""
@@ -80,6 +82,17 @@ class OutputError(FvcollapseError):
     def __str__(self):
         problem = getattr(self.problem, "strerror", None) or self.problem
         return one_line(f"{self.path}: cannot be written: {problem}")
+
+
+def refuse_bad_target(path):
+    """Raise OutputError if a file that is to be written last (None: none) cannot be: before any work is done."""
+    if path is None:
+        return
+    path = Path(path)
+    if not path.absolute().parent.is_dir():
+        raise OutputError(path, "no such folder", running=False)
+    if path.is_dir():
+        raise OutputError(path, "a folder", running=False)
 
 
 def one_line(text):

@@ -119,12 +119,6 @@ def inertial_number(shear_rate, pressure, grain_scale):
 
 
 @njit(cache=True)
-def mu_of_inertial_number(inertial, mu_1, mu_2, I_0):
-    """mu(I) = mu_1 + (mu_2 - mu_1) / (1 + I_0/I), equation 4."""
-    return mu_1 + (mu_2 - mu_1) * inertial / (inertial + I_0)
-
-
-@njit(cache=True)
 def mu_of_upper_branch(inertial, mu_1, mu_2, I_0, mu_infinity):
     """(mu_1 I_0 + mu_2 I + mu_inf I^2) / (I_0 + I), Barker & Gray (2017), equation 6.3."""
     return (mu_1 * I_0 + mu_2 * inertial + mu_infinity * inertial * inertial) / (I_0 + inertial)

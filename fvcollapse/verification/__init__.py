@@ -5,7 +5,7 @@ import json
 import math
 from pathlib import Path
 
-from fvcollapse.errors import InputError, OutputError
+from fvcollapse.errors import InputError, OutputError, refuse_bad_target
 
 
 def problem_names():
@@ -45,10 +45,7 @@ def verify(names=None, json_path=None, markdown_path=None):
                 "command line", "NAME", name, f"a verification problem; the closest is {near}"
             )
     for path in (json_path, markdown_path):
-        if path is not None and not Path(path).absolute().parent.is_dir():
-            raise OutputError(path, "no such folder", running=False)
-        if path is not None and Path(path).is_dir():
-            raise OutputError(path, "a folder", running=False)
+        refuse_bad_target(path)
     rows = []
     print(HEADING)
     for name in names or by_name:

@@ -554,7 +554,7 @@ def growth_rate_bagnold(case, wave, z, depth):
     """Growth rate of a plane disturbance at height z of a Bagnold flow; and the shear rate there; 1/s."""
     law = case.rheology
     mu = slope_ratio(case)
-    inertial = law.I_0 * (mu - law.mu_1) / (law.mu_2 - mu)
+    inertial = inertial_number_at(mu, law)
     pressure = pressure_hydrostatic(case, np.array([z]), depth)[0]
     shear_rate = inertial * math.sqrt(pressure / law.density_grain) / law.grain_diameter
     exponent = inertial * (law.mu_2 - law.mu_1) * law.I_0 / (inertial + law.I_0) ** 2 / mu
