@@ -24,6 +24,7 @@ from .step.geometry import (
     allocate_geometry,
     fill_cells,
     fill_faces,
+    fill_reach,
     fill_walls,
     number_unknowns,
     repeat_columns,
@@ -305,15 +306,8 @@ class Simulation:
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
-        self.unknowns = number_unknowns(
-            geometry.index_u,
-            geometry.index_w,
-            geometry.filled,
-            geometry.aperture,
-            self.case.boundary.right_end == "open",
-            geometry.first,
-            geometry.last,
-        )
+        fill_reach(geometry.reach, geometry.filled)
+        self.unknowns = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
     def _split_friction(self, u_star, w_star, balance):
         """Change of velocity by the lateral walls before the solve; None where they act within it."""

@@ -171,9 +171,8 @@ def _last_face(geometry):
 def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
     """Inertia, weight and wall frictions: the diagonal of the band and the right-hand side."""
     inertia = balance.density / balance.dt
-    nz = geometry.filled.shape[1]
     for i in range(geometry.first, _last_face(geometry)):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             n = geometry.index_u[i, k]
             if n >= 0:
                 mass = geometry.mass_x[i, k]
@@ -183,7 +182,7 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                     band[n, 0] += work.k_bed[i] / dz
                 rhs[n] = m * u_star[i, k] + balance.density * balance.gx * mass
     for i in range(geometry.first, geometry.last):
-        for k in range(nz + 1):
+        for k in range(geometry.reach[i]):
             n = geometry.index_w[i, k]
             if n >= 0:
                 mass = geometry.mass_z[i, k]
@@ -197,10 +196,9 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
 @njit(cache=True)
 def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
     """Rhs += B^T P: minus the discrete pressure gradient."""
-    nz = pressure_filled.shape[1]
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             p = pressure_filled[i, k]
             if p != 0.0:
                 if iu[i, k] >= 0:
@@ -222,17 +220,17 @@ def larger(a, b):
 @njit(cache=True)
 def take_solution(u, w, solution, geometry):
     """Write the solution to the faces; return (largest change, largest speed), m/s."""
-    nx, nz = geometry.filled.shape
+    nx = geometry.filled.shape[0]
     change = largest = 0.0
     for i in range(nx + 1):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             n = geometry.index_u[i, k]
             if n >= 0:
                 change = larger(change, abs(solution[n] - u[i, k]))
                 largest = larger(largest, abs(solution[n]))
                 u[i, k] = solution[n]
     for i in range(nx):
-        for k in range(nz + 1):
+        for k in range(geometry.reach[i]):
             n = geometry.index_w[i, k]
             if n >= 0:
                 change = larger(change, abs(solution[n] - w[i, k]))
@@ -262,11 +260,10 @@ def update_multiplier(
     pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz
 ):
     """P -= r div u where constrained, then release and take up cells; return the largest |div u|."""
-    nx, nz = constrained.shape
     largest = 0.0
-    for i in range(nx):
-        for k in range(nz):
-            multiplier[i, k] = 0.0
+    multiplier[:] = 0.0
+    for i in range(constrained.shape[0]):
+        for k in range(geometry.reach[i]):
             if geometry.filled[i, k] <= WET:
                 continue
             div = divergence(u, w, geometry.aperture, i, k, dx, dz)
@@ -288,11 +285,10 @@ def update_multiplier(
 @njit(cache=True)
 def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
     """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
-    nz = geometry.filled.shape[1]
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     residual[:] = 0.0
     for i in range(geometry.first, geometry.last):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             e = (
                 4.0
                 * work.weight_centre[i, k]
@@ -317,7 +313,7 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                 _add(residual, iw[i, k], g / dx)
     inertia = balance.density / balance.dt
     for i in range(geometry.first, _last_face(geometry)):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if iu[i, k] >= 0:
                 mass = geometry.mass_x[i, k]
                 friction = work.sink_x[i, k] + (work.k_bed[i] / dz if k == 0 else 0.0)
@@ -327,7 +323,7 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                     - balance.density * balance.gx * mass
                 )
     for i in range(geometry.first, geometry.last):
-        for k in range(nz + 1):
+        for k in range(geometry.reach[i]):
             if iw[i, k] >= 0:
                 mass = geometry.mass_z[i, k]
                 friction = work.sink_z[i, k] + (work.k_wall[k] / dx if i == 0 else 0.0)
@@ -407,7 +403,7 @@ def solve(
         add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
         add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
         for i in range(work.constrained.shape[0]):
-            for k in range(work.constrained.shape[1]):
+            for k in range(geometry.reach[i]):
                 if not work.constrained[i, k]:
                     pressure_filled[i, k] = 0.0
         add_pressure_force(rhs, pressure_filled, geometry, dx, dz)

@@ -48,11 +48,10 @@ class Outflow(NamedTuple):
 @njit(cache=True)
 def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     """Power of the viscous stress, summed over cells, Pa/s: eta times the squared deviatoric strain rate."""
-    nz = weight_centre.shape[1]
     aperture = geometry.aperture
     power = 0.0
     for i in range(geometry.first, geometry.last):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if weight_centre[i, k] > 0.0:
                 stretch = (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) / dx
                 stretch -= (w[i, k + 1] - w[i, k]) / dz

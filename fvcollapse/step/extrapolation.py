@@ -58,33 +58,59 @@ def extrapolate(field, known, layers):
         1 where the value stands, 0 where it is to be found; overwritten with the layer number.
     """
     nx, nz = field.shape
-    for layer in range(1, layers + 1):
-        for i in range(nx):
-            for k in range(nz):
-                if known[i, k] != 0:
-                    continue
-                if layer == 1:
-                    value, lines = smooth_continuation(field, known, i, k)
-                    if lines > 0:
-                        field[i, k] = value
-                        known[i, k] = 2
-                        continue
-                total = 0.0
-                count = 0
-                for di in range(-1, 2):
-                    for dk in range(-1, 2):
-                        a, b = i + di, k + dk
-                        if 0 <= a < nx and 0 <= b < nz and 0 < known[a, b] <= layer:
-                            weight = 2 if di == 0 or dk == 0 else 1
-                            total += weight * field[a, b]
-                            count += weight
-                if count > 0:
-                    field[i, k] = total / count
-                    known[i, k] = layer + 1
+    front_i, front_k = np.empty(field.size, np.int64), np.empty(field.size, np.int64)
+    end = 0
     for i in range(nx):
         for k in range(nz):
-            if known[i, k] == 0:
+            if known[i, k] == 1:
+                end = _queue_neighbours(front_i, front_k, end, known, i, k)
+    start = 0
+    for layer in range(1, layers + 1):
+        layer_end = end
+        for j in range(start, layer_end):
+            i, k = front_i[j], front_k[j]
+            if layer == 1:
+                value, lines = smooth_continuation(field, known, i, k)
+                if lines > 0:
+                    field[i, k] = value
+                    continue
+            field[i, k] = _mean_of_known(field, known, i, k)
+        for j in range(start, layer_end):
+            known[front_i[j], front_k[j]] = layer + 1
+        for j in range(start, layer_end):
+            end = _queue_neighbours(front_i, front_k, end, known, front_i[j], front_k[j])
+        start = layer_end
+    for i in range(nx):
+        for k in range(nz):
+            if known[i, k] <= 0:
                 field[i, k] = 0.0
+                known[i, k] = 0
+
+
+@njit(cache=True)
+def _queue_neighbours(front_i, front_k, end, known, i, k):
+    """Append the unknown neighbours of (i, k) to the front, marked -1; return its new end."""
+    for a in range(max(i - 1, 0), min(i + 2, known.shape[0])):
+        for b in range(max(k - 1, 0), min(k + 2, known.shape[1])):
+            if known[a, b] == 0:
+                known[a, b] = -1
+                front_i[end], front_k[end] = a, b
+                end += 1
+    return end
+
+
+@njit(cache=True)
+def _mean_of_known(field, known, i, k):
+    """Mean of the known neighbours of (i, k), those across a side counted twice."""
+    total = 0.0
+    count = 0
+    for a in range(max(i - 1, 0), min(i + 2, field.shape[0])):
+        for b in range(max(k - 1, 0), min(k + 2, field.shape[1])):
+            if known[a, b] > 0:
+                weight = 2 if a == i or b == k else 1
+                total += weight * field[a, b]
+                count += weight
+    return total / count
 
 
 @njit(cache=True)

@@ -24,7 +24,8 @@ class Geometry(NamedTuple):
     (gate); bed_cover (nx,), wall_cover (nz,): wetted part of each cell's stretch of the bed and of
     the back wall; index_u, index_w: number of the unknown on each face, -1 where there is none;
     first, last: the columns [first, last) that are solved; all of them, but for the halo of a
-    periodic stretch.
+    periodic stretch; reach (nx + 1,): rows of the cells, faces and nodes of column i that can touch
+    grains, so that the loops of the solve need not visit the air.
     """
 
     filled: np.ndarray
@@ -37,6 +38,7 @@ class Geometry(NamedTuple):
     wall_cover: np.ndarray
     index_u: np.ndarray
     index_w: np.ndarray
+    reach: np.ndarray
     first: int
     last: int
 
@@ -54,6 +56,7 @@ def allocate_geometry(nx, nz, halo=0):
         np.zeros(nz),
         np.full((nx + 1, nz), -1, np.int64),
         np.full((nx, nz + 1), -1, np.int64),
+        np.zeros(nx + 1, np.int64),
         halo,
         nx - halo,
     )
@@ -171,7 +174,21 @@ def fill_walls(bed_cover, wall_cover, level_set):
 
 
 @njit(cache=True)
-def number_unknowns(index_u, index_w, filled, aperture, open_end, first, last):
+def fill_reach(reach, filled):
+    """One row more than the highest wet cell of the two columns beside each x-face; 0 where both are dry."""
+    nx, nz = filled.shape
+    reach[:] = 0
+    for i in range(nx):
+        top = nz
+        while top > 0 and filled[i, top - 1] <= WET:
+            top -= 1
+        if top > 0:
+            reach[i] = max(reach[i], min(top + 1, nz))
+            reach[i + 1] = min(top + 1, nz)
+
+
+@njit(cache=True)
+def number_unknowns(geometry, open_end):
     """Number the faces that touch a wet cell; return (count, half bandwidth).
 
     Column by column, for a pile is longer than high; a periodic stretch row by row, for its last
@@ -179,36 +196,52 @@ def number_unknowns(index_u, index_w, filled, aperture, open_end, first, last):
     free vertical face would be a wall. The columns outside [first, last) repeat a periodic stretch
     and share its numbers.
     """
-    nx, nz = filled.shape
-    index_u[:] = -1
-    index_w[:] = -1
+    index_u, index_w, reach = geometry.index_u, geometry.index_w, geometry.reach
+    first, last = geometry.first, geometry.last
+    _mark_unknowns(
+        index_u, index_w, geometry.filled, geometry.aperture, reach, open_end, first, last
+    )
     n = 0
     if first > 0:
-        for k in range(nz):
+        for k in range(index_u.shape[1]):
             for i in range(first, last):
-                n = _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n)
+                n = _number(index_u, i, k, n)
+                n = _number(index_w, i, k, n)
         repeat_columns(index_u, first, last)
         repeat_columns(index_w, first, last)
     else:
-        for i in range(nx + 1):
-            for k in range(nz):
-                n = _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n)
-    return n, _half_bandwidth(index_u, index_w, first, last)
+        for i in range(reach.size):
+            for k in range(reach[i]):
+                n = _number(index_u, i, k, n)
+                if i < index_w.shape[0]:
+                    n = _number(index_w, i, k, n)
+    return n, _half_bandwidth(index_u, index_w, reach, first, last)
 
 
 @njit(cache=True)
-def _number_faces(index_u, index_w, filled, aperture, open_end, i, k, n):
-    """Number the left face of cell (i, k), then its lower one, from n on; return the next number."""
+def _mark_unknowns(index_u, index_w, filled, aperture, reach, open_end, first, last):
+    """Index 0 on the faces that are unknowns (of a periodic stretch, within [first, last)), -1 elsewhere."""
     nx = filled.shape[0]
-    left = i > 0 and filled[i - 1, k] > WET
-    right = i < nx and filled[i, k] > WET
-    if i > 0 and (i < nx or open_end) and (left or right) and aperture[i, k] > 0.0:
-        index_u[i, k] = n
-        n += 1
-    if i < nx and k > 0 and (filled[i, k] > WET or filled[i, k - 1] > WET):
-        index_w[i, k] = n
-        n += 1
-    return n
+    index_u[:] = -1
+    index_w[:] = -1
+    faces = nx + 1 if first == 0 else last
+    for i in range(first, faces):
+        for k in range(reach[i]):
+            left = i > 0 and filled[i - 1, k] > WET
+            right = i < nx and filled[i, k] > WET
+            if i > 0 and (i < nx or open_end) and (left or right) and aperture[i, k] > 0.0:
+                index_u[i, k] = 0
+            if i < nx and k > 0 and (filled[i, k] > WET or filled[i, k - 1] > WET):
+                index_w[i, k] = 0
+
+
+@njit(cache=True)
+def _number(index, i, k, n):
+    """Give a marked face the number n; return the next number."""
+    if index[i, k] < 0:
+        return n
+    index[i, k] = n
+    return n + 1
 
 
 @njit(cache=True)
@@ -221,12 +254,11 @@ def repeat_columns(field, first, last):
 
 
 @njit(cache=True)
-def _half_bandwidth(index_u, index_w, first, last):
+def _half_bandwidth(index_u, index_w, reach, first, last):
     """Largest distance between two unknowns of one cell or one node."""
-    nz = index_u.shape[1]
     width = 0
     for i in range(first, last):
-        for k in range(nz):
+        for k in range(reach[i]):
             width = max(
                 width, _spread(index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1])
             )

@@ -28,11 +28,11 @@ from .geometry import WET
 @njit(cache=True)
 def face_pressures(pressure_x, pressure_z, pressure_filled, geometry):
     """[p]+ times filled fraction, handed from the cells to their faces by the lever rule; Pa."""
-    nx, nz = pressure_filled.shape
+    nx = pressure_filled.shape[0]
     pressure_x[:] = 0.0
     pressure_z[:] = 0.0
     for i in range(nx):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
             p = pressure_filled[i, k]
             if v > WET and p > 0.0:
@@ -65,14 +65,14 @@ def speed_at_zface(u, w, i, k):
 @njit(cache=True)
 def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, strength, slip_min):
     """Diagonal coefficients of the implicit sink on x- and z-faces, Pa s/m2; `strength` = 2 mu_w / w (1/m)."""
-    nx, nz = w.shape[0], u.shape[1]
+    nx = w.shape[0]
     for i in range(nx + 1):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if geometry.index_u[i, k] >= 0:
                 speed = speed_at_xface(u, w, i, k)
                 sink_x[i, k] = strength * pressure_x[i, k] / math.sqrt(speed**2 + slip_min**2)
     for i in range(nx):
-        for k in range(1, nz):
+        for k in range(1, geometry.reach[i]):
             if geometry.index_w[i, k] >= 0:
                 speed = speed_at_zface(u, w, i, k)
                 sink_z[i, k] = strength * pressure_z[i, k] / math.sqrt(speed**2 + slip_min**2)

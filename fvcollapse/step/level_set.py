@@ -206,27 +206,36 @@ def crossing(phi_0, phi_1, curvature, h):
 
 
 @njit(cache=True)
-def one_sided(extended, old, a, b, step_a, step_b, h):
-    """ENO2 difference from node (a, b) towards (a + step_a, b + step_b); returns (slope outwards, distance used).
+def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h):
+    """ENO2 difference from a node towards its neighbour; returns (slope outwards, distance used).
 
-    If the surface lies between, the stencil ends on it.
+    If the surface lies between, by the sign of the old values, the stencil ends on it.
     """
-    here = old[a, b]
-    there = old[a + step_a, b + step_b]
-    if here * there < 0.0:
-        curvature = minmod(
-            (old[a - step_a, b - step_b] - 2.0 * here + there) / (h * h),
-            (here - 2.0 * there + old[a + 2 * step_a, b + 2 * step_b]) / (h * h),
-        )
-        s = max(crossing(here, there, curvature, h), 1e-6 * h)
-        return (0.0 - extended[a, b]) / s - 0.5 * s * curvature, s
-    value = extended[a, b]
-    next_value = extended[a + step_a, b + step_b]
-    curvature = minmod(
-        (extended[a - step_a, b - step_b] - 2.0 * value + next_value) / (h * h),
-        (value - 2.0 * next_value + extended[a + 2 * step_a, b + 2 * step_b]) / (h * h),
-    )
-    return (next_value - value) / h - 0.5 * h * curvature, h
+    if old_here * old_there < 0.0:
+        s = max(crossing(old_here, old_there, old_curvature, h), 1e-6 * h)
+        return (0.0 - here) / s - 0.5 * s * old_curvature, s
+    return (there - here) / h - 0.5 * h * curvature, h
+
+
+@njit(cache=True)
+def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
+    """Slopes outwards to both neighbours of a grid line and the shorter distance; a before, b beyond the node.
+
+    Returns
+    -------
+    back, ahead, distance : float
+    """
+    bend = (a1 - 2.0 * here + b1) / (h * h)
+    bend_a = minmod(bend, (here - 2.0 * a1 + a2) / (h * h))
+    bend_b = minmod(bend, (here - 2.0 * b1 + b2) / (h * h))
+    old_bend_a = old_bend_b = 0.0
+    if old_here * old_a1 < 0.0 or old_here * old_b1 < 0.0:
+        old_bend = (old_a1 - 2.0 * old_here + old_b1) / (h * h)
+        old_bend_a = minmod(old_bend, (old_here - 2.0 * old_a1 + old_a2) / (h * h))
+        old_bend_b = minmod(old_bend, (old_here - 2.0 * old_b1 + old_b2) / (h * h))
+    back, s_a = outward_slope(here, a1, bend_a, old_here, old_a1, old_bend_a, h)
+    ahead, s_b = outward_slope(here, b1, bend_b, old_here, old_b1, old_bend_b, h)
+    return back, ahead, min(s_a, s_b)
 
 
 @njit(cache=True)
@@ -254,16 +263,38 @@ def reinitialise(phi, sweeps, dx, dz):
                 # the clamp below, shifted by the volume corrections since, must not leave nodes out
                 if old[a, b] == 0.0 or abs(old[a, b]) > limit + 4.0 * max(dx, dz):
                     continue
-                right, s_right = one_sided(new, old, a, b, 1, 0, dx)
-                left, s_left = one_sided(new, old, a, b, -1, 0, dx)
-                up, s_up = one_sided(new, old, a, b, 0, 1, dz)
-                down, s_down = one_sided(new, old, a, b, 0, -1, dz)
+                left, right, s_x = slopes(
+                    new[a - 2, b],
+                    new[a - 1, b],
+                    new[a, b],
+                    new[a + 1, b],
+                    new[a + 2, b],
+                    old[a - 2, b],
+                    old[a - 1, b],
+                    old[a, b],
+                    old[a + 1, b],
+                    old[a + 2, b],
+                    dx,
+                )
+                down, up, s_z = slopes(
+                    new[a, b - 2],
+                    new[a, b - 1],
+                    new[a, b],
+                    new[a, b + 1],
+                    new[a, b + 2],
+                    old[a, b - 2],
+                    old[a, b - 1],
+                    old[a, b],
+                    old[a, b + 1],
+                    old[a, b + 2],
+                    dz,
+                )
                 sign = 1.0 if old[a, b] > 0.0 else -1.0
                 # Godunov: away from the surface |phi| grows, so only directions towards it count
                 gx = max(max(-sign * right, 0.0), max(-sign * left, 0.0))
                 gz = max(max(-sign * up, 0.0), max(-sign * down, 0.0))
-                pseudo_step = 0.45 * min(min(s_right, s_left), min(s_up, s_down))
-                new[a, b] -= pseudo_step * sign * (math.sqrt(gx * gx + gz * gz) - 1.0)
+                step = 0.45 * min(s_x, s_z) * (math.sqrt(gx * gx + gz * gz) - 1.0)
+                new[a, b] -= sign * step
                 if new[a, b] * sign <= 0.0:
                     new[a, b] = 0.0 * sign + sign * 1e-14
         _refresh_ghosts(new)

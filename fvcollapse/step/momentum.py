@@ -160,7 +160,7 @@ def with_ghosts(field, slip, odd_x, odd_z):
     return padded
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _carried(padded, i, k, di, dk, flux):
     """Velocity carried by the flux from face (i, k) to face (i + di, k + dk), from where it comes from."""
     a, b = i + 2, k + 2
@@ -169,11 +169,9 @@ def _carried(padded, i, k, di, dk, flux):
     return upwind_weno3(padded[a + 2 * di, b + 2 * dk], padded[a + di, b + dk], padded[a, b])
 
 
-@njit(cache=True)
+@njit(inline="always")
 def _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, flux):
     """Book one flux from face (i, k) to face (i + di, k + dk) with both."""
-    if flux == 0.0:
-        return
     a, b = i + di, k + dk
     carried = _carried(padded, i, k, di, dk, flux)
     gain[i, k] -= flux * (carried - start[i, k])
@@ -216,10 +214,13 @@ def transport(moved, start, padded, mass, along, across, end, di, dk):
     )
     for i in range(nx):
         for k in range(nz):
-            _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, along[i, k])
+            if along[i, k] != 0.0:
+                _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, along[i, k])
     for i in range(dk, across.shape[0] - dk):
         for k in range(di, across.shape[1] - di):
-            _pass_on(gain, arriving, leaving, start, padded, i - dk, k - di, dk, di, across[i, k])
+            flux = across[i, k]
+            if flux != 0.0:
+                _pass_on(gain, arriving, leaving, start, padded, i - dk, k - di, dk, di, flux)
     _let_out(gain, arriving, leaving, start, padded, di, end)
     for i in range(start.shape[0]):
         for k in range(start.shape[1]):

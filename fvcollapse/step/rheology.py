@@ -183,14 +183,30 @@ def effective_viscosity(shear_rate, pressure, material):
 
 @njit(cache=True)
 def shear_rate_at_stress(stress, pressure, upper, material):
-    """Shear rate in [0, upper] at which eta * shear_rate = stress (the law is monotone), by bisection; 1/s."""
+    """Shear rate in [0, upper] at which eta * shear_rate = stress, 1/s.
+
+    The law is monotone; regula falsi with the Illinois rule, to 1e-9 of the stress. The first point
+    parts the steep, regularised end of the law from the rest.
+    """
     low, high = 0.0, upper
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if middle * effective_viscosity(middle, pressure, material) < stress:
-            low = middle
-        else:
-            high = middle
-        if high - low <= 1e-9 * upper:
+    below, above = -stress, upper * effective_viscosity(upper, pressure, material) - stress
+    if above <= 0.0:
+        return upper
+    side = 0
+    middle = min(10.0 * material.shear_rate_min, 0.5 * upper)
+    for _ in range(100):
+        gap = middle * effective_viscosity(middle, pressure, material) - stress
+        if abs(gap) <= 1e-9 * stress or high - low <= 1e-12 * upper:
             break
-    return 0.5 * (low + high)
+        if gap < 0.0:
+            low, below = middle, gap
+            if side < 0:
+                above *= 0.5
+            side = -1
+        else:
+            high, above = middle, gap
+            if side > 0:
+                below *= 0.5
+            side = 1
+        middle = (low * above - high * below) / (above - below)
+    return middle

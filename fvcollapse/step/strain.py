@@ -36,7 +36,7 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     e_centre[:] = 0.0
     g_node[:] = 0.0
     for i in range(nx):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if geometry.filled[i, k] > WET:
                 e_centre[i, k] = 0.5 * (
                     (geometry.aperture[i + 1, k] * u[i + 1, k] - geometry.aperture[i, k] * u[i, k])
@@ -46,7 +46,7 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     for i in range(1, nx):
         if geometry.index_u[i, 0] >= 0:
             g_node[i, 0] = 2.0 * (u[i, 0] - bed_slip[i]) / dz
-        for k in range(1, nz):
+        for k in range(1, geometry.reach[i]):
             if node_is_interior(geometry.index_u, geometry.index_w, i, k):
                 g_node[i, k] = (u[i, k] - u[i, k - 1]) / dz + (w[i, k] - w[i - 1, k]) / dx
 

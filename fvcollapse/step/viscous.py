@@ -18,12 +18,12 @@ def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
     """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s."""
-    nx, nz = weight_centre.shape
+    nx = weight_centre.shape[0]
     filled = geometry.filled
     weight_centre[:] = 0.0
     weight_node[:] = 0.0
     for i in range(nx):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             v = filled[i, k]
             if v > WET:
                 rate = shear_rate_centre(e_centre, g_node, i, k)
@@ -31,7 +31,7 @@ def viscosity_weights(
                     rate, pressure_filled[i, k] / v, material
                 )
     for i in range(1, nx):
-        for k in range(1, nz):
+        for k in range(1, geometry.reach[i]):
             if node_is_interior(geometry.index_u, geometry.index_w, i, k):
                 v = 0.25 * (
                     filled[i - 1, k - 1] + filled[i, k - 1] + filled[i - 1, k] + filled[i, k]
@@ -64,10 +64,9 @@ def add_rank_one(band, weight, n_0, c_0, n_1, c_1, n_2, c_2, n_3, c_3):
 @njit(cache=True)
 def add_viscous(band, weight_centre, weight_node, geometry, dx, dz):
     """Add the viscous blocks of all cells and nodes."""
-    nz = weight_centre.shape[1]
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if weight_centre[i, k] > 0.0:
                 add_rank_one(
                     band,
@@ -99,10 +98,9 @@ def add_viscous(band, weight_centre, weight_node, geometry, dx, dz):
 @njit(cache=True)
 def add_incompressibility(band, penalty, constrained, geometry, dx, dz):
     """Add penalty * div^T div of the constrained cells (augmented Lagrangian)."""
-    nz = constrained.shape[1]
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
-        for k in range(nz):
+        for k in range(geometry.reach[i]):
             if constrained[i, k]:
                 add_rank_one(
                     band,

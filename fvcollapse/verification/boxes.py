@@ -118,15 +118,15 @@ class Box(Simulation):
         geometry, right, top = self.geometry, self.right, self.cells_z
         geometry.index_u[:] = -1
         geometry.index_w[:] = -1
-        self.unknowns = number_unknowns(
-            geometry.index_u[: right + 1, :top],
-            geometry.index_w[:right, : top + 1],
-            geometry.filled[:right, :top],
-            geometry.aperture[: right + 1, :top],
-            False,
-            geometry.first,
-            geometry.last if self.halo else right,
+        inside = geometry._replace(
+            index_u=geometry.index_u[: right + 1, :top],
+            index_w=geometry.index_w[:right, : top + 1],
+            filled=geometry.filled[:right, :top],
+            aperture=geometry.aperture[: right + 1, :top],
+            reach=np.minimum(geometry.reach[: right + 1], top),
+            last=geometry.last if self.halo else right,
         )
+        self.unknowns = number_unknowns(inside, open_end=False)
 
     def _solve(self, u_star, w_star, impulse, balance):
         u_star += balance.dt * self.force_u

@@ -7,7 +7,13 @@ import pytest
 
 from fvcollapse.case import GRAVITY, case_from_text
 from fvcollapse.simulation import Simulation
-from fvcollapse.step.geometry import allocate_geometry, fill_cells, fill_faces, number_unknowns
+from fvcollapse.step.geometry import (
+    allocate_geometry,
+    fill_cells,
+    fill_faces,
+    fill_reach,
+    number_unknowns,
+)
 from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_coefficients
 from fvcollapse.step.rheology import material
 
@@ -122,9 +128,8 @@ def uniform_flow(direction, nx=8, nz=6):
     fill_faces(
         geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
     )
-    number_unknowns(
-        geometry.index_u, geometry.index_w, geometry.filled, geometry.aperture, False, 0, nx
-    )
+    fill_reach(geometry.reach, geometry.filled)
+    number_unknowns(geometry, open_end=False)
     u = np.full((nx + 1, nz), SPEED * math.cos(direction))
     w = np.full((nx, nz + 1), SPEED * math.sin(direction))
     p_x, p_z = np.empty_like(u), np.empty_like(w)
