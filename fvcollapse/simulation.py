@@ -16,7 +16,7 @@ from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
-from .step.banded import lapack_addresses
+from .step.banded import allocate_band
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
@@ -74,7 +74,6 @@ class Simulation:
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
         self.material = material(case)
-        self.addresses = lapack_addresses()
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
         self.state = initial_state(case, grid) if state is None else state
@@ -307,7 +306,7 @@ class Simulation:
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
         fill_reach(geometry.reach, geometry.filled)
-        self.unknowns = number_unknowns(geometry, self.case.boundary.right_end == "open")
+        self.ends = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
     def _split_friction(self, u_star, w_star, balance):
         """Change of velocity by the lateral walls before the solve; None where they act within it."""
@@ -333,7 +332,7 @@ class Simulation:
         return projection.solve(
             self.state,
             self.work,
-            self.unknowns,
+            self.ends,
             u_star,
             w_star,
             self.geometry,
@@ -365,23 +364,21 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
-        n, half_bandwidth = self.unknowns
-        band, rhs = np.empty((n, half_bandwidth + 1)), np.empty(n)
         return coupled.solve(
             state.u,
             state.w,
             state.pressure_filled,
             state.bed_slip,
             self.work,
-            band,
-            rhs,
+            allocate_band(self.ends),
+            np.empty(self.ends.size),
+            self.ends,
             u_star,
             w_star,
             self.geometry,
             self.material,
             balance,
             *self.spacing,
-            self.addresses,
         )
 
     def _balance(self, dt, max_sweeps=None, tolerance=None):

@@ -64,7 +64,6 @@ class Work(NamedTuple):
     sink_z: np.ndarray
     constrained: np.ndarray
     multiplier: np.ndarray
-    integers: np.ndarray
 
 
 class Outcome(NamedTuple):
@@ -98,7 +97,6 @@ def allocate_work(nx, nz):
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz), np.bool_),
         np.zeros((nx, nz)),
-        np.zeros(8, np.int32),
     )
 
 
@@ -364,6 +362,7 @@ def solve(
     work,
     band,
     rhs,
+    ends,
     u_star,
     w_star,
     geometry,
@@ -371,7 +370,6 @@ def solve(
     balance,
     dx,
     dz,
-    addresses,
 ):
     """Advance (u, w, P) from the predictor (u*, w*) by nonlinear sweeps; return an `Outcome`.
 
@@ -379,8 +377,10 @@ def solve(
     ----------
     u, w, pressure_filled, bed_slip : arrays
         In: first guess; out: solution on the unknown faces and wet cells.
-    band : (n, kd + 1) array; rhs : (n,) array
-        Scratch of the size that `number_unknowns` gave.
+    band, rhs : (n, …), (n,) arrays
+        Scratch, from `allocate_band`.
+    ends : (n,) int64 array
+        Envelope of the matrix, from `number_unknowns`.
     u_star, w_star : arrays
         Velocity after advection.
     """
@@ -407,10 +407,10 @@ def solve(
                 if not work.constrained[i, k]:
                     pressure_filled[i, k] = 0.0
         add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
-        info = factorise(band, work.integers, addresses)
+        info = factorise(band, ends)
         if info != 0:
             break
-        solve_factorised(rhs, band, work.integers, addresses)
+        solve_factorised(rhs, band, ends)
         change, largest = take_solution(u, w, rhs, geometry)
         div_max = update_multiplier(
             pressure_filled,

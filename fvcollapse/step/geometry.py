@@ -189,7 +189,7 @@ def fill_reach(reach, filled):
 
 @njit(cache=True)
 def number_unknowns(geometry, open_end):
-    """Number the faces that touch a wet cell; return (count, half bandwidth).
+    """Number the faces that touch a wet cell; return the last unknown with which each couples, directly or by fill-in.
 
     Column by column, for a pile is longer than high; a periodic stretch row by row, for its last
     column meets the first. A face between a filled and an empty cell is an unknown too: otherwise a
@@ -215,7 +215,7 @@ def number_unknowns(geometry, open_end):
                 n = _number(index_u, i, k, n)
                 if i < index_w.shape[0]:
                     n = _number(index_w, i, k, n)
-    return n, _half_bandwidth(index_u, index_w, reach, first, last)
+    return _envelope(index_u, index_w, reach, first, last, n)
 
 
 @njit(cache=True)
@@ -254,30 +254,25 @@ def repeat_columns(field, first, last):
 
 
 @njit(cache=True)
-def _half_bandwidth(index_u, index_w, reach, first, last):
-    """Largest distance between two unknowns of one cell or one node."""
-    width = 0
+def _envelope(index_u, index_w, reach, first, last, count):
+    """Last unknown that each unknown can meet in the factorised matrix: cells and nodes couple four at a time."""
+    ends = np.arange(count)
     for i in range(first, last):
         for k in range(reach[i]):
-            width = max(
-                width, _spread(index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1])
-            )
+            _join(ends, index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1])
             if i > 0 and k > 0:
-                width = max(
-                    width,
-                    _spread(index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k]),
-                )
-    return width
+                _join(ends, index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k])
+    for n in range(1, count):
+        ends[n] = max(ends[n], ends[n - 1])
+    return ends
 
 
 @njit(cache=True)
-def _spread(a, b, c, d):
+def _join(ends, a, b, c, d):
     high = max(max(a, b), max(c, d))
-    low = high
     for n in (a, b, c, d):
         if n >= 0:
-            low = min(low, n)
-    return high - low if high >= 0 else 0
+            ends[n] = max(ends[n], high)
 
 
 def cell_fractions(level_set):

@@ -160,7 +160,7 @@ def with_ghosts(field, slip, odd_x, odd_z):
     return padded
 
 
-@njit(inline="always")
+@njit(cache=True, inline="always")
 def _carried(padded, i, k, di, dk, flux):
     """Velocity carried by the flux from face (i, k) to face (i + di, k + dk), from where it comes from."""
     a, b = i + 2, k + 2
@@ -169,7 +169,7 @@ def _carried(padded, i, k, di, dk, flux):
     return upwind_weno3(padded[a + 2 * di, b + 2 * dk], padded[a + di, b + dk], padded[a, b])
 
 
-@njit(inline="always")
+@njit(cache=True, inline="always")
 def _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, flux):
     """Book one flux from face (i, k) to face (i + di, k + dk) with both."""
     a, b = i + di, k + dk

@@ -24,6 +24,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from .banded import allocate_band
 from .coupled import (
     MASS_FLOOR,
     Outcome,
@@ -98,7 +99,7 @@ def assemble_momentum(work, band, rhs, u_star, w_star, geometry, balance, dx, dz
     return symmetric_from_band(band)
 
 
-def solve(state, work, unknowns, u_star, w_star, geometry, material, balance, dx, dz):
+def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz):
     """Advance velocity and pressure of `state` from the predictor (u*, w*); return an `Outcome`.
 
     Parameters
@@ -108,8 +109,8 @@ def solve(state, work, unknowns, u_star, w_star, geometry, material, balance, dx
         wet cells.
     work : Work
         Scratch of the coupled method.
-    unknowns : tuple
-        Count and half bandwidth, from `number_unknowns`.
+    ends : (n,) int64 array
+        Envelope of the matrix, from `number_unknowns`.
     u_star, w_star : arrays
         Velocity after advection.
     geometry : Geometry
@@ -117,12 +118,12 @@ def solve(state, work, unknowns, u_star, w_star, geometry, material, balance, dx
     balance : Balance
         Its `unilateral` and `penalty` do not act here.
     """
-    n, half_bandwidth = unknowns
+    n = ends.size
     u, w, pressure = state.u, state.w, state.pressure_filled
     div, wet = divergence_matrix(geometry, n, dx, dz)
     inertia = face_inertia(geometry, balance, n)
     poisson = factorised(div @ div.multiply(1.0 / inertia).T)
-    band, rhs = np.empty((n, half_bandwidth + 1)), np.empty(n)
+    band, rhs = allocate_band(ends), np.empty(n)
     pressure[geometry.filled <= WET] = 0.0
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)

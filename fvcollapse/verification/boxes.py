@@ -126,7 +126,7 @@ class Box(Simulation):
             reach=np.minimum(geometry.reach[: right + 1], top),
             last=geometry.last if self.halo else right,
         )
-        self.unknowns = number_unknowns(inside, open_end=False)
+        self.ends = number_unknowns(inside, open_end=False)
 
     def _solve(self, u_star, w_star, impulse, balance):
         u_star += balance.dt * self.force_u
