@@ -19,7 +19,7 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
-from .geometry import WET
+from .geometry import WET, last_face
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
 from .strain import strain_rates
@@ -160,16 +160,10 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
 
 
 @njit(cache=True)
-def _last_face(geometry):
-    """End of the x-faces that belong to the solved columns (a periodic stretch counts its first face only)."""
-    return geometry.last + (1 if geometry.first == 0 else 0)
-
-
-@njit(cache=True)
 def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
     """Inertia, weight and wall frictions: the diagonal of the band and the right-hand side."""
     inertia = balance.density / balance.dt
-    for i in range(geometry.first, _last_face(geometry)):
+    for i in range(geometry.first, last_face(geometry)):
         for k in range(geometry.reach[i]):
             n = geometry.index_u[i, k]
             if n >= 0:
@@ -310,7 +304,7 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                 _add(residual, iw[i - 1, k], -g / dx)
                 _add(residual, iw[i, k], g / dx)
     inertia = balance.density / balance.dt
-    for i in range(geometry.first, _last_face(geometry)):
+    for i in range(geometry.first, last_face(geometry)):
         for k in range(geometry.reach[i]):
             if iu[i, k] >= 0:
                 mass = geometry.mass_x[i, k]
@@ -347,7 +341,7 @@ def _add(vector, n, value):
 def bed_force(work, u, geometry):
     """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
     total = 0.0
-    for i in range(geometry.first, _last_face(geometry)):
+    for i in range(geometry.first, last_face(geometry)):
         if geometry.index_u[i, 0] >= 0:
             total += work.k_bed[i] * abs(u[i, 0])
     return total

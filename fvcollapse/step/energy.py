@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from .coupled import MASS_FLOOR
+from .geometry import last_face
 
 
 class Work(NamedTuple):
@@ -62,6 +63,45 @@ def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     return power
 
 
+@njit(cache=True)
+def friction_work(sink_x, sink_z, u, w, geometry):
+    """Power of the lateral walls, summed over faces, Pa/s."""
+    power = 0.0
+    for i in range(geometry.first, last_face(geometry)):
+        for k in range(geometry.reach[i]):
+            if geometry.index_u[i, k] >= 0:
+                power += sink_x[i, k] * u[i, k] * u[i, k]
+            if i < geometry.last and geometry.index_w[i, k] >= 0:
+                power += sink_z[i, k] * w[i, k] * w[i, k]
+    return power
+
+
+@njit(cache=True)
+def impulse_work(impulse, u, w, geometry, least_mass, inertia):
+    """Power gained from a change of velocity `impulse` before the solve, summed over faces, Pa/s."""
+    power = 0.0
+    for i in range(geometry.first, last_face(geometry)):
+        for k in range(geometry.reach[i]):
+            if geometry.index_u[i, k] >= 0:
+                power += max(geometry.mass_x[i, k], least_mass) * impulse[0][i, k] * u[i, k]
+            if i < geometry.last and geometry.index_w[i, k] >= 0:
+                power += max(geometry.mass_z[i, k], least_mass) * impulse[1][i, k] * w[i, k]
+    return inertia * power
+
+
+@njit(cache=True)
+def face_sums(mass, solved, start):
+    """Sums over faces of mass (solved - start)^2, mass start^2 and mass solved."""
+    change = carried = flow = 0.0
+    for i in range(mass.shape[0]):
+        for k in range(mass.shape[1]):
+            m = mass[i, k]
+            change += m * (solved[i, k] - start[i, k]) ** 2
+            carried += m * start[i, k] ** 2
+            flow += m * solved[i, k]
+    return change, carried, flow
+
+
 def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     """Work of one step from the coefficients of its last nonlinear sweep.
 
@@ -83,28 +123,20 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     Work
     """
     u, w, dt = state.u, state.w, balance.dt
-    solved_u, solved_w = geometry.index_u >= 0, geometry.index_w >= 0
-    solved_u[: geometry.first] = solved_w[: geometry.first] = False
-    if geometry.first > 0:
-        solved_u[geometry.last :] = solved_w[geometry.last :] = False
-    bed_u, wall_w = np.where(solved_u[:, 0], u[:, 0], 0.0), np.where(solved_w[0], w[0], 0.0)
+    bed_u = np.where(geometry.index_u[:, 0] >= 0, u[:, 0], 0.0)
+    bed_u[: geometry.first] = 0.0
+    bed_u[last_face(geometry) :] = 0.0
+    wall_w = np.where(geometry.index_w[0] >= 0, w[0], 0.0) if geometry.first == 0 else 0.0
     bed = dx * np.sum(scratch.k_bed * bed_u * state.bed_slip)
     bed_shear = dx * np.sum(scratch.k_bed * bed_u**2) - bed
     wall = dz * np.sum(scratch.k_wall * np.abs(wall_w) * scratch.wall_slip)
     wall_shear = dz * np.sum(scratch.k_wall * wall_w**2) - wall
     volume = dx * dz
     bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
-    lateral = volume * (
-        np.sum(scratch.sink_x * u**2, where=solved_u)
-        + np.sum(scratch.sink_z * w**2, where=solved_w)
-    )
+    lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:
-        inertia_x, inertia_z = (
-            np.maximum(mass, MASS_FLOOR) * balance.density / dt
-            for mass in (geometry.mass_x, geometry.mass_z)
-        )
-        lateral -= volume * np.sum(inertia_x * impulse[0] * u, where=solved_u)
-        lateral -= volume * np.sum(inertia_z * impulse[1] * w, where=solved_w)
+        lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)
+    lateral *= volume
     return Work(dt * (bulk + bed_shear + wall_shear), dt * bed, dt * wall, dt * lateral)
 
 
@@ -133,11 +165,11 @@ def loss_of_step(
     Loss
     """
     cell = balance.density * dx * dz
-    faces = ((geometry.mass_x, state.u, u_star), (geometry.mass_z, state.w, w_star))
-    time = 0.5 * cell * sum(np.sum(mass * (v - v_star) ** 2) for mass, v, v_star in faces)
-    carried = 0.5 * cell * sum(np.sum(mass * v_star**2) for mass, _, v_star in faces)
-    gravity = balance.gx * np.sum(geometry.mass_x * state.u)
-    gravity += balance.gz * np.sum(geometry.mass_z * state.w)
+    change_x, carried_x, flow_x = face_sums(geometry.mass_x, state.u, u_star)
+    change_z, carried_z, flow_z = face_sums(geometry.mass_z, state.w, w_star)
+    time = 0.5 * cell * (change_x + change_z)
+    carried = 0.5 * cell * (carried_x + carried_z)
+    gravity = balance.gx * flow_x + balance.gz * flow_z
     released = energy_before["potential"] - energy_after["potential"] - outflow.potential
     return Loss(
         time,

@@ -245,6 +245,12 @@ def _number(index, i, k, n):
 
 
 @njit(cache=True)
+def last_face(geometry):
+    """End of the x-faces that belong to the solved columns (a periodic stretch counts its first face only)."""
+    return geometry.last + (1 if geometry.first == 0 else 0)
+
+
+@njit(cache=True)
 def repeat_columns(field, first, last):
     """Copy the periodic stretch [first, last) of a field into its halo, in place."""
     period = last - first

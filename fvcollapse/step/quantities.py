@@ -101,13 +101,31 @@ def energies(state, geometry, density, gravity, dx, dz):
     The potential is zero at the origin (back wall, bed).
     """
     cell = density * dx * dz
-    kinetic = (
-        0.5 * cell * (np.sum(geometry.mass_x * state.u**2) + np.sum(geometry.mass_z * state.w**2))
-    )
-    nx, nz = geometry.filled.shape
-    x_moment = dx * (np.arange(nx)[:, None] * geometry.filled + geometry.lever_x).sum()
-    z_moment = dz * (np.arange(nz)[None, :] * geometry.filled + geometry.lever_z).sum()
+    squares = weighted_square(geometry.mass_x, state.u) + weighted_square(geometry.mass_z, state.w)
+    x_moment, z_moment = first_moments(geometry.filled, geometry.lever_x, geometry.lever_z)
     return {
-        "kinetic": kinetic,
-        "potential": -cell * (gravity[0] * x_moment + gravity[1] * z_moment),
+        "kinetic": 0.5 * cell * squares,
+        "potential": -cell * (gravity[0] * dx * x_moment + gravity[1] * dz * z_moment),
     }
+
+
+@njit(cache=True)
+def weighted_square(weight, values):
+    """Sum of weight * values^2 over two arrays of one shape."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            total += weight[i, k] * values[i, k] * values[i, k]
+    return total
+
+
+@njit(cache=True)
+def first_moments(filled, lever_x, lever_z):
+    """Moments of the filled area about the origin, in cells^2 dx and cells^2 dz."""
+    x_moment = z_moment = 0.0
+    for i in range(filled.shape[0]):
+        for k in range(filled.shape[1]):
+            if filled[i, k] > 0.0:
+                x_moment += i * filled[i, k] + lever_x[i, k]
+                z_moment += k * filled[i, k] + lever_z[i, k]
+    return x_moment, z_moment

@@ -39,3 +39,12 @@ def minmod(a, b):
     if a * b <= 0.0:
         return 0.0
     return a if abs(a) < abs(b) else b
+
+
+@njit(cache=True)
+def cubic(a, b, c, d, t):
+    """Catmull-Rom interpolation a share t of the way from b to c, of equally spaced values a, b, c, d."""
+    slope = 0.5 * (c - a)
+    return b + t * (
+        slope + t * (a - 2.5 * b + 2.0 * c - 0.5 * d + t * (1.5 * (b - c) + 0.5 * (d - a)))
+    )
