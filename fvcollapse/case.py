@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from fvcollapse import case_effects
 from fvcollapse.case_keys import (
     Section,
     as_table,
@@ -237,6 +238,7 @@ class Effects(Section):
     """What is added to the physics that the user believes; absent = off."""
 
     lateral_friction: LateralFriction | None = None
+    viscosity: case_effects.Viscosity | None = None
 
 
 class Case(Section):

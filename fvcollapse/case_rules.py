@@ -104,6 +104,18 @@ def rule_outputs(case):
             yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
 
 
+def rule_viscosity(case):
+    """The viscosity effect has a viscous part to act on, and one way to act."""
+    effect, law = case.effects.viscosity, case.rheology.law
+    if effect is None:
+        return
+    if law == "mu_I_regularised":
+        limit = "absent with rheology.law = mu_I_regularised, whose viscosity is no part of its own"
+        yield "effects.viscosity", "a table", limit
+    if effect.eta_constant is not None and effect.factor != 1.0:
+        yield "effects.viscosity.factor", f"{effect.factor:g}", "absent beside eta_constant"
+
+
 RULES = (
     rule_finite,
     rule_friction,
@@ -113,6 +125,7 @@ RULES = (
     rule_cells,
     rule_domain,
     rule_outputs,
+    rule_viscosity,
 )
 
 

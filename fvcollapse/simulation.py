@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .case import GRAVITY
+from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
@@ -68,7 +69,7 @@ class Simulation:
     """
 
     def __init__(self, case, state=None):
-        self.case = case
+        self.case = case = with_effects(case)
         grid = initial_grid(case)
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0

@@ -14,8 +14,9 @@ PACKAGE = Path(fvcollapse.__file__).parent
 LAYERS = (
     "errors version",
     "case_keys",
-    "case_rules",
+    "case_rules case_effects",
     "case",
+    "effects",
     "grid",
     "state",
     "step",

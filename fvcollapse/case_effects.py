@@ -1,0 +1,23 @@
+"""The sections under `[effects]`: what is added to the physics that the user believes.
+
+A section that is absent is off. Every default is zero strength (`mu_wall` apart): what is to act
+must be given.
+"""
+
+from typing import Annotated
+
+from fvcollapse.case_keys import Section, key
+
+
+class Viscosity(Section):
+    """Level or law of the viscosity: eta_I scaled, or a constant instead of it."""
+
+    factor: Annotated[
+        float, key("-", "factor on eta_I, or on rheology.viscosity", ge=0, le=1000)
+    ] = 1.0
+    eta_constant: (
+        Annotated[
+            float, key("Pa s", "constant viscosity in place of eta_I; absent = none", ge=0, le=1e6)
+        ]
+        | None
+    ) = None

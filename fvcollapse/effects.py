@@ -1,0 +1,132 @@
+"""The catalogue of effects: what each acts on, its parameters, and what physics says of their values.
+
+An effect that is no more than a change of a key the user believes is applied here, in
+`with_effects`, and nowhere else; the others are terms of the solver (`fvcollapse/step`) or act on what is
+observed (`fvcollapse/observation.py`).
+"""
+
+from typing import NamedTuple
+
+from msgspec.structs import replace
+
+PHYSICAL, OBSERVATION, NUISANCE = "physical", "observation", "nuisance"
+
+
+class Prior(NamedTuple):
+    """What is known of a parameter before any comparison.
+
+    Attributes
+    ----------
+    kind : str
+        "uniform" or "loguniform" between `first` and `second`; "normal" with mean and standard
+        deviation; "halfnormal" from `first` upwards with the scale `second`. In the unit of the key.
+    grade : str
+        A: read in the authors' own files; A2: in somebody else's; comp: computed from these; C:
+        general knowledge, not verified, good for a wide prior only.
+    source : str
+        Where the values come from.
+    """
+
+    kind: str
+    first: float
+    second: float
+    grade: str
+    source: str
+
+    def distribution(self):
+        """The frozen distribution of scipy.stats; its `ppf` is the quantile coordinate."""
+        from scipy import stats
+
+        if self.kind == "uniform":
+            return stats.uniform(self.first, self.second - self.first)
+        return getattr(stats, {"normal": "norm"}.get(self.kind, self.kind))(self.first, self.second)
+
+
+class Effect(NamedTuple):
+    """An effect of the catalogue; its keys are those of `[effects.<name>]`.
+
+    Attributes
+    ----------
+    kind : str
+        PHYSICAL (changes the flow), OBSERVATION (changes what is seen of it) or NUISANCE (an error of
+        the set-up: marginalised, never a verdict).
+    priors : dict
+        Parameter -> `Prior`.
+    absorbed_in : tuple of str
+        Keys of the case whose calibration can hide the effect.
+    variants : tuple of dict
+        Other keys of the section that select a closure, one dict for each; the first is the default.
+        A parameter whose value is None in a variant belongs to the others.
+    """
+
+    kind: str
+    priors: dict
+    absorbed_in: tuple = ()
+    variants: tuple = ({},)
+
+
+CATALOGUE = {
+    "lateral_friction": Effect(
+        PHYSICAL,
+        {
+            "mu_wall": Prior(
+                "uniform", 0.15, 0.30, "A", "0.18-0.25 for beads on plexiglas, 0.30 for gravel"
+            ),
+        },
+        absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
+    ),
+    "viscosity": Effect(
+        PHYSICAL,
+        {
+            "factor": Prior(
+                "loguniform",
+                0.5,
+                5.0,
+                "comp",
+                "eta_I goes as (mu_2 - mu_1)/I_0 at low I; 0.20-0.30 and 0.069-0.40 in the literature",
+            ),
+            "eta_constant": Prior(
+                "loguniform", 0.1, 2.0, "A", "range of eta_I and trials of Martin et al. (2017)"
+            ),
+        },
+        absorbed_in=("rheology.mu_2", "rheology.I_0"),
+        variants=({"eta_constant": None}, {"factor": None}),
+    ),
+}
+
+
+def with_effects(case):
+    """The case that the solver runs: effects that change a key are put into that key.
+
+    They leave `[effects]` with it, so that a second call changes nothing; without such an effect the
+    case itself is returned.
+    """
+    for apply in KEY_CHANGES:
+        case = apply(case)
+    return case
+
+
+def _without(case, name):
+    """The case with an effect switched off."""
+    return replace(case, effects=replace(case.effects, **{name: None}))
+
+
+def change_viscosity(case):
+    """Viscosity: eta_I = (mu_2 - mu_1) p / (...) is scaled by scaling mu_2 - mu_1.
+
+    With a constant eta_c in its place mu_I is the Drucker-Prager law (Martin et al. 2017, equation 8).
+    """
+    effect, law = case.effects.viscosity, case.rheology
+    if effect is None:
+        return case
+    if effect.eta_constant is not None:
+        kind = "drucker_prager" if law.law == "mu_I" else law.law
+        law = replace(law, law=kind, viscosity=effect.eta_constant)
+    elif law.law == "mu_I":
+        law = replace(law, mu_2=law.mu_2 + (effect.factor - 1.0) * (law.mu_2 - law.mu_1))
+    else:
+        law = replace(law, viscosity=effect.factor * law.viscosity)
+    return replace(_without(case, "viscosity"), rheology=law)
+
+
+KEY_CHANGES = (change_viscosity,)
