@@ -239,6 +239,7 @@ class Effects(Section):
 
     lateral_friction: LateralFriction | None = None
     viscosity: case_effects.Viscosity | None = None
+    bed_friction: case_effects.BedFriction | None = None
 
 
 class Case(Section):

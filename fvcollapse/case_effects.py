@@ -21,3 +21,15 @@ class Viscosity(Section):
         ]
         | None
     ) = None
+
+
+class BedFriction(Section):
+    """A bed weaker than the user believes: grains slide on it, or it is a smooth plate."""
+
+    mu_bed: (
+        Annotated[
+            float,
+            key("-", "friction on the bed instead of boundary.mu_bed; 0 = free slip", ge=0, le=10),
+        ]
+        | None
+    ) = None

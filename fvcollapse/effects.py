@@ -92,6 +92,19 @@ CATALOGUE = {
         absorbed_in=("rheology.mu_2", "rheology.I_0"),
         variants=({"eta_constant": None}, {"factor": None}),
     ),
+    "bed_friction": Effect(
+        PHYSICAL,
+        {
+            "mu_bed": Prior(
+                "uniform",
+                0.18,
+                0.48,
+                "A",
+                "smooth plate, as beads on a lateral wall (0.18-0.25), to the friction of the grains",
+            ),
+        },
+        absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
+    ),
 }
 
 
@@ -129,4 +142,15 @@ def change_viscosity(case):
     return replace(_without(case, "viscosity"), rheology=law)
 
 
-KEY_CHANGES = (change_viscosity,)
+def change_bed_friction(case):
+    """Friction of the bed; where it is below that of the grains they slide (equation 12)."""
+    effect = case.effects.bed_friction
+    if effect is None:
+        return case
+    boundary = case.boundary
+    if effect.mu_bed is not None:
+        boundary = replace(boundary, mu_bed=effect.mu_bed)
+    return replace(_without(case, "bed_friction"), boundary=boundary)
+
+
+KEY_CHANGES = (change_viscosity, change_bed_friction)

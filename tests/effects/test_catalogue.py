@@ -14,6 +14,7 @@ KEYS = {info.name for info in describe_keys()}
 ZERO = {
     "lateral_friction": [{"mu_wall": 0.0}],
     "viscosity": [{}, {"factor": 1.0}],
+    "bed_friction": [{}, {"mu_bed": 0.48}],
 }
 ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
 
