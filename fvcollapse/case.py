@@ -240,6 +240,7 @@ class Effects(Section):
     lateral_friction: LateralFriction | None = None
     viscosity: case_effects.Viscosity | None = None
     bed_friction: case_effects.BedFriction | None = None
+    cohesion: case_effects.Cohesion | None = None
 
 
 class Case(Section):

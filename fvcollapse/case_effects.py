@@ -33,3 +33,11 @@ class BedFriction(Section):
         ]
         | None
     ) = None
+
+
+class Cohesion(Section):
+    """Cohesion between the grains: a yield stress without pressure. The walls stay cohesionless."""
+
+    kappa_0: Annotated[
+        float, key("Pa", "cohesion added to rheology.cohesion in the yield stress", ge=0, le=1e5)
+    ] = 0.0

@@ -116,6 +116,13 @@ def rule_viscosity(case):
         yield "effects.viscosity.factor", f"{effect.factor:g}", "absent beside eta_constant"
 
 
+def rule_cohesion(case):
+    """The law has a yield stress to which the cohesion adds."""
+    if case.effects.cohesion is not None and case.rheology.law == "newtonian":
+        limit = 'absent with rheology.law = "newtonian", which has no yield stress'
+        yield "effects.cohesion", "a table", limit
+
+
 RULES = (
     rule_finite,
     rule_friction,
@@ -126,6 +133,7 @@ RULES = (
     rule_domain,
     rule_outputs,
     rule_viscosity,
+    rule_cohesion,
 )
 
 

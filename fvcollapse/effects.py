@@ -105,6 +105,19 @@ CATALOGUE = {
         },
         absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
     ),
+    "cohesion": Effect(
+        PHYSICAL,
+        {
+            "kappa_0": Prior(
+                "loguniform",
+                1.0,
+                50.0,
+                "C",
+                "mu_1 times the tensile strength 6 nu F/(pi d2), F = 1-30 % of the capillary force pi gamma d",
+            ),
+        },
+        absorbed_in=("rheology.mu_1",),
+    ),
 }
 
 
@@ -153,4 +166,13 @@ def change_bed_friction(case):
     return replace(_without(case, "bed_friction"), boundary=boundary)
 
 
-KEY_CHANGES = (change_viscosity, change_bed_friction)
+def change_cohesion(case):
+    """Cohesion: yield stress mu_1 p + kappa_0."""
+    effect, law = case.effects.cohesion, case.rheology
+    if effect is None:
+        return case
+    law = replace(law, cohesion=law.cohesion + effect.kappa_0)
+    return replace(_without(case, "cohesion"), rheology=law)
+
+
+KEY_CHANGES = (change_viscosity, change_bed_friction, change_cohesion)

@@ -15,6 +15,7 @@ ZERO = {
     "lateral_friction": [{"mu_wall": 0.0}],
     "viscosity": [{}, {"factor": 1.0}],
     "bed_friction": [{}, {"mu_bed": 0.48}],
+    "cohesion": [{}],
 }
 ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
 
