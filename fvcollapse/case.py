@@ -215,13 +215,22 @@ class LateralFriction(Section):
     mu_wall: Annotated[
         float, key("-", "friction coefficient on the lateral walls", ge=0, le=10)
     ] = 0.18
+    pressure_ratio: Annotated[
+        float, key("-", "K_w: the pressure on the lateral walls is K_w p", ge=0, le=10)
+    ] = 1.0
     closure: Annotated[
-        Literal["sink", "friction_increase"],
-        key("-", "sink of momentum, or the older increase of mu_1 and mu_2"),
+        Literal["sink", "sink_weakening", "friction_increase"],
+        key("-", "sink of momentum, it weakening with depth, or an increase of mu_1 and mu_2"),
     ] = "sink"
+    deep_ratio: Annotated[
+        float, key("-", "sink_weakening: friction far below the surface over mu_wall", ge=0, le=1)
+    ] = 0.5
+    weakening_depth: Annotated[
+        float, key("m", "sink_weakening: depth over which it falls by 1/e", gt=0, le=1000)
+    ] = 0.02
     scheme: Annotated[
         Literal["implicit", "split"],
-        key("-", "closure sink: in the solve, or before the projection"),
+        key("-", "closures with a sink: in the solve, or before the projection"),
     ] = "implicit"
     flowing_thickness: Annotated[
         float,

@@ -72,8 +72,26 @@ CATALOGUE = {
             "mu_wall": Prior(
                 "uniform", 0.15, 0.30, "A", "0.18-0.25 for beads on plexiglas, 0.30 for gravel"
             ),
+            "pressure_ratio": Prior(
+                "uniform",
+                0.5,
+                1.1,
+                "C",
+                "isotropic flow 1, a pile at rest 1 - sin(angle of repose) = 0.57",
+            ),
+            "deep_ratio": Prior(
+                "uniform", 0.2, 1.0, "C", "weakening seen in experiments and simulations"
+            ),
+            "weakening_depth": Prior(
+                "loguniform", 0.005, 0.05, "C", "7 to 70 grain diameters, the depth of flow"
+            ),
         },
         absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
+        variants=(
+            {"closure": "sink", "deep_ratio": None, "weakening_depth": None},
+            {"closure": "sink_weakening"},
+            {"closure": "friction_increase", "deep_ratio": None, "weakening_depth": None},
+        ),
     ),
     "viscosity": Effect(
         PHYSICAL,

@@ -32,7 +32,7 @@ from .step.geometry import (
     wetted_edge,
 )
 from .step.initial import HALO, MARGIN, initial_grid, initial_state
-from .step.lateral_friction import brake_before_solve
+from .step.lateral_friction import brake_before_solve, sink_constants
 from .step.momentum import advect_momentum
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
@@ -385,13 +385,7 @@ class Simulation:
     def _balance(self, dt, max_sweeps=None, tolerance=None):
         case, numerics = self.case, self.case.numerics
         walls = case.effects.lateral_friction
-        strength = 0.0
-        if (
-            walls is not None
-            and walls.closure == "sink"
-            and math.isfinite(case.geometry.channel_width)
-        ):
-            strength = 2.0 * walls.mu_wall / case.geometry.channel_width
+        strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
         scale = math.sqrt(GRAVITY * case.geometry.height_0)
         rate_start = (
             0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
@@ -411,6 +405,8 @@ class Simulation:
             0.01 * scale,
             max_sweeps or numerics.max_sweeps,
             rate_start,
+            deep_ratio,
+            weakening_depth,
         )
 
     def _continue_velocity(self):

@@ -30,7 +30,7 @@ MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full o
 
 
 class Balance(NamedTuple):
-    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w / w, 0 without lateral walls."""
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
 
     dt: float
     density: float
@@ -46,6 +46,8 @@ class Balance(NamedTuple):
     speed_scale: float
     max_sweeps: int
     rate_start: float
+    wall_deep_ratio: float
+    wall_weakening_depth: float
 
 
 class Work(NamedTuple):
@@ -142,7 +144,15 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         dx,
     )
     if balance.wall_strength > 0.0:
-        face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+        face_pressures(
+            work.pressure_x,
+            work.pressure_z,
+            pressure_filled,
+            geometry,
+            balance.wall_deep_ratio,
+            balance.wall_weakening_depth,
+            dz,
+        )
         sink_coefficients(
             work.sink_x,
             work.sink_z,
