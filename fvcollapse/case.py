@@ -247,6 +247,7 @@ class Effects(Section):
     """What is added to the physics that the user believes; absent = off."""
 
     lateral_friction: LateralFriction | None = None
+    gate: case_effects.Gate | None = None
     viscosity: case_effects.Viscosity | None = None
     bed_friction: case_effects.BedFriction | None = None
     cohesion: case_effects.Cohesion | None = None

@@ -9,6 +9,29 @@ from typing import Annotated
 from fvcollapse.case_keys import Section, key
 
 
+class Gate(Section):
+    """A gate that is slow, late, or rubs against the grains."""
+
+    speed: (
+        Annotated[
+            float,
+            key("m/s", "lifting speed instead of gate.speed; absent = that one", ge=0, inf=True),
+        ]
+        | None
+    ) = None
+    time_constant: (
+        Annotated[
+            float,
+            key("s", "tau of its law instead of gate.time_constant; absent = that", ge=0, le=1000),
+        ]
+        | None
+    ) = None
+    mu_gate: Annotated[float, key("-", "friction of the grains on the gate", ge=0, le=10)] = 0.0
+    delay: Annotated[float, key("s", "time from t = 0 to the start of the gate", ge=0, le=1000)] = (
+        0.0
+    )
+
+
 class Viscosity(Section):
     """Level or law of the viscosity: eta_I scaled, or a constant instead of it."""
 

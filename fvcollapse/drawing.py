@@ -12,7 +12,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
-from fvcollapse.step.gate import gate_height
+from fvcollapse.effects import with_effects
+from fvcollapse.step.gate import gate_height, gate_lift
 
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#666666"  # Okabe & Ito (2008)
 WIDTH = 9.0  # inch
@@ -149,7 +150,8 @@ def colour_bar(figure, panels, name, top):
 def draw_gate(axes, case, time):
     """The gate, as far as it is still in the picture; return the artists."""
     top = axes.get_ylim()[1]
-    bottom = gate_height(time, case.gate.speed, case.gate.time_constant)
+    case = with_effects(case)
+    bottom = gate_height(time, gate_lift(case))
     if not bottom < top:
         return []
     length_0 = case.geometry.length_0

@@ -93,6 +93,18 @@ CATALOGUE = {
             {"closure": "friction_increase", "deep_ratio": None, "weakening_depth": None},
         ),
     ),
+    "gate": Effect(
+        PHYSICAL,
+        {
+            "speed": Prior("loguniform", 0.5, 2.5, "A", "0.7 and 0.8 m/s; 2.3 m/s in the paper"),
+            "time_constant": Prior("uniform", 0.0, 0.15, "A", "0.06 s (gravel), 0.13 s (beads)"),
+            "mu_gate": Prior("uniform", 0.0, 0.3, "A", "0.18, 0.23; none in the paper's model"),
+            "delay": Prior(
+                "uniform", 0.0, 0.04, "C", "two frames at 50 Hz between trigger and motion"
+            ),
+        },
+        absorbed_in=("gate.speed", "gate.time_constant"),
+    ),
     "viscosity": Effect(
         PHYSICAL,
         {
@@ -155,6 +167,18 @@ def _without(case, name):
     return replace(case, effects=replace(case.effects, **{name: None}))
 
 
+def change_gate(case):
+    """Speed law of the gate; its delay and friction remain for the solver."""
+    effect = case.effects.gate
+    if effect is None or effect.speed is effect.time_constant is None:
+        return case
+    speed = case.gate.speed if effect.speed is None else effect.speed
+    tau = case.gate.time_constant if effect.time_constant is None else effect.time_constant
+    rest = replace(effect, speed=None, time_constant=None)
+    effects = replace(case.effects, gate=rest)
+    return replace(case, gate=replace(case.gate, speed=speed, time_constant=tau), effects=effects)
+
+
 def change_viscosity(case):
     """Viscosity: eta_I = (mu_2 - mu_1) p / (...) is scaled by scaling mu_2 - mu_1.
 
@@ -193,4 +217,4 @@ def change_cohesion(case):
     return replace(_without(case, "cohesion"), rheology=law)
 
 
-KEY_CHANGES = (change_viscosity, change_bed_friction, change_cohesion)
+KEY_CHANGES = (change_gate, change_viscosity, change_bed_friction, change_cohesion)

@@ -14,7 +14,7 @@ from fvcollapse.case import GRAVITY
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
-WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral")
+WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
 LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
 ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity

@@ -45,6 +45,10 @@ SERIES = {
     "work_bed": ("J/m", "energy dissipated by slip along the bed since t = 0"),
     "work_back_wall": ("J/m", "energy dissipated by slip along the back wall since t = 0"),
     "work_lateral": ("J/m", "energy dissipated at the lateral walls since t = 0"),
+    "work_gate": (
+        "J/m",
+        "energy dissipated along the gate less what its motion gives the grains, since t = 0",
+    ),
     "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
     "loss_advection": (
         "J/m",

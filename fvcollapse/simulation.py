@@ -20,7 +20,7 @@ from .step import coupled, level_set, projection, quantities
 from .step.banded import allocate_band
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import gate_height, open_fractions
+from .step.gate import fill_gate, gate_height, gate_lift, gate_velocity, open_fractions
 from .step.geometry import (
     allocate_geometry,
     fill_cells,
@@ -74,6 +74,7 @@ class Simulation:
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
+        self.lift = gate_lift(case)
         self.material = material(case)
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
@@ -216,14 +217,14 @@ class Simulation:
             step_max,
             limit_advection(fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
-            limit_gate(case.gate.speed, moving, dz),
+            limit_gate(self.lift.speed, moving, dz),
         )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
     def gate_is_moving(self):
         """Whether the gate still touches the mass."""
-        height = gate_height(self.state.time, self.case.gate.speed, self.case.gate.time_constant)
-        return self.case.gate.speed > 0.0 and height < self.grid.nz * self.spacing[1]
+        height = gate_height(self.state.time, self.lift)
+        return self.lift.speed > 0.0 and height < self.grid.nz * self.spacing[1]
 
     def max_speed(self):
         """Largest velocity component on the faces of the grains, m/s."""
@@ -291,8 +292,8 @@ class Simulation:
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
-        geometry, gate = self.geometry, self.case.gate
-        height = 0.0 if closed else gate_height(time, gate.speed, gate.time_constant)
+        geometry = self.geometry
+        height = 0.0 if closed else gate_height(time, self.lift)
         open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
         fill_cells(
             geometry.filled,
@@ -306,6 +307,10 @@ class Simulation:
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
+        if self.case.effects.gate is not None:
+            fill_gate(
+                geometry.gate_cover, self.state.level_set, geometry.aperture, self.gate_column
+            )
         fill_reach(geometry.reach, geometry.filled)
         self.ends = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
@@ -407,6 +412,9 @@ class Simulation:
             rate_start,
             deep_ratio,
             weakening_depth,
+            self.gate_column,
+            gate_velocity(self.state.time + dt, self.lift),
+            case.effects.gate.mu_gate if case.effects.gate is not None else 0.0,
         )
 
     def _continue_velocity(self):
@@ -467,7 +475,7 @@ class Simulation:
         self._solve_coupled(
             np.zeros_like(state.u),
             np.zeros_like(state.w),
-            self._balance(1.0, max_sweeps=100, tolerance=1e-6),
+            self._balance(1.0, max_sweeps=100, tolerance=1e-6)._replace(gate_speed=0.0),
         )
         state.u[:] = 0.0
         state.w[:] = 0.0

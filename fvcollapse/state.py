@@ -23,6 +23,7 @@ SCALARS = {
     "work_bed": ("J/m", "work against the friction of the bed"),
     "work_back_wall": ("J/m", "work against the friction of the back wall"),
     "work_lateral": ("J/m", "work against the friction of the lateral walls"),
+    "work_gate": ("J/m", "work against the friction of the gate, less what its motion gives"),
     "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
     "loss_advection": ("J/m", "kinetic energy lost by the advection of momentum"),
     "loss_surface": ("J/m", "potential energy lost by the motion and correction of the surface"),
@@ -54,6 +55,7 @@ class State:
     work_bed: float = 0.0
     work_back_wall: float = 0.0
     work_lateral: float = 0.0
+    work_gate: float = 0.0
     loss_time: float = 0.0
     loss_advection: float = 0.0
     loss_surface: float = 0.0

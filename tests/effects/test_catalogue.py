@@ -13,6 +13,7 @@ KEYS = {info.name for info in describe_keys()}
 # the settings with which each effect does nothing
 ZERO = {
     "lateral_friction": [{"mu_wall": 0.0}],
+    "gate": [{}, {"speed": 2.3, "time_constant": 0.0}],
     "viscosity": [{}, {"factor": 1.0}],
     "bed_friction": [{}, {"mu_bed": 0.48}],
     "cohesion": [{}],
