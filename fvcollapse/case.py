@@ -251,6 +251,7 @@ class Effects(Section):
     viscosity: case_effects.Viscosity | None = None
     bed_friction: case_effects.BedFriction | None = None
     cohesion: case_effects.Cohesion | None = None
+    erodible_bed: case_effects.ErodibleBed | None = None
 
 
 class Case(Section):

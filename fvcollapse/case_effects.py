@@ -32,6 +32,12 @@ class Gate(Section):
     )
 
 
+class ErodibleBed(Section):
+    """A layer of the same grains, at rest on the bed under the column and down the slope."""
+
+    thickness: Annotated[float, key("m", "thickness of the layer", ge=0, le=1000)] = 0.0
+
+
 class Viscosity(Section):
     """Level or law of the viscosity: eta_I scaled, or a constant instead of it."""
 

@@ -148,6 +148,15 @@ CATALOGUE = {
         },
         absorbed_in=("rheology.mu_1",),
     ),
+    "erodible_bed": Effect(
+        PHYSICAL,
+        {
+            "thickness": Prior(
+                "loguniform", 0.002, 0.014, "C", "3 to 20 grain diameters; 1.4 cm in one study (A)"
+            ),
+        },
+        absorbed_in=("boundary.mu_bed",),
+    ),
 }
 
 

@@ -19,6 +19,7 @@ from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import allocate_band
 from .step.energy import Outflow, loss_of_step, work_of_step
+from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import fill_gate, gate_height, gate_lift, gate_velocity, open_fractions
 from .step.geometry import (
@@ -74,7 +75,7 @@ class Simulation:
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
-        self.lift = gate_lift(case)
+        self.lift, self.layer = gate_lift(case), layer_thickness(case)
         self.material = material(case)
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
@@ -293,7 +294,7 @@ class Simulation:
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
         geometry = self.geometry
-        height = 0.0 if closed else gate_height(time, self.lift)
+        height = self.lift.foot if closed else gate_height(time, self.lift)
         open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
         fill_cells(
             geometry.filled,
@@ -425,6 +426,8 @@ class Simulation:
         )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
+        if self.layer > 0.0:
+            state.u[-1] = 0.0  # the wall that closes the layer
         self._repeat(state.u, state.w)
         close_divergence(
             state.u,
@@ -450,7 +453,7 @@ class Simulation:
         wet = filled > 0.0
         extra_x = extra_z = 0
         right_end = self.case.boundary.right_end
-        if right_end == "grow" and wet[nx - MARGIN :].any():
+        if right_end == "grow" and self._is_near_end(wet):
             extra_x = GROWTH
         if right_end == "error" and wet[nx - 1].any():
             raise NumericalError(
@@ -463,7 +466,22 @@ class Simulation:
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
             self._allocate()
+            if extra_x and self.layer > 0.0:
+                extend_layer(self.state, extra_x, self.layer, self.grid.z_nodes, self.spacing[0])
             self._place(self.state.time)
+            if extra_x and self.layer > 0.0:
+                self._book_layer()
+
+    def _is_near_end(self, wet):
+        """Whether the grains come near the far end; those of an erodible layer, whether they move there."""
+        if self.layer > 0.0:
+            return moves_near_end(self.state, self.geometry, MARGIN)
+        return wet[len(wet) - MARGIN :].any()
+
+    def _book_layer(self):
+        """Energy of the layer by which the domain has grown: it has flowed in."""
+        before, self.energy = self.energy, self.energies()
+        self.state.energy_outflow += float(before["potential"] - self.energy["potential"])
 
     def _settle(self):
         """Static pressure behind the closed gate, with all friction at work; then at rest."""

@@ -18,33 +18,37 @@ import numpy as np
 from numba import njit
 
 from .coulomb_walls import friction_coefficient
+from .erodible_bed import layer_thickness
 from .geometry import WET, wetted_edge
 
 
 class Lift(NamedTuple):
-    """How the gate moves: speed (m/s, inf = removed at once), time constant and delay (s)."""
+    """How the gate moves: speed (m/s, inf = removed at once), time constant and delay (s); foot: z at rest (m)."""
 
     speed: float
     time_constant: float
     delay: float
+    foot: float
 
 
 def gate_lift(case):
     """`Lift` of a case whose effects on keys are applied (`with_effects`)."""
     effect = case.effects.gate
-    return Lift(case.gate.speed, case.gate.time_constant, 0.0 if effect is None else effect.delay)
+    delay = 0.0 if effect is None else effect.delay
+    return Lift(case.gate.speed, case.gate.time_constant, delay, layer_thickness(case))
 
 
 def gate_height(time, lift):
     """Height of the gate's lower edge above the bed at `time`, m."""
     since = time - lift.delay
     if since < 0.0:
-        return 0.0
+        return lift.foot
     if math.isinf(lift.speed):
         return math.inf
     if lift.time_constant <= 0.0:
-        return lift.speed * since
-    return lift.speed * (since + lift.time_constant * math.expm1(-since / lift.time_constant))
+        return lift.foot + lift.speed * since
+    start_up = lift.time_constant * math.expm1(-since / lift.time_constant)
+    return lift.foot + lift.speed * (since + start_up)
 
 
 def gate_velocity(time, lift):

@@ -17,6 +17,7 @@ ZERO = {
     "viscosity": [{}, {"factor": 1.0}],
     "bed_friction": [{}, {"mu_bed": 0.48}],
     "cohesion": [{}],
+    "erodible_bed": [{}],
 }
 ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
 

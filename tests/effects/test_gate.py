@@ -13,7 +13,9 @@ from fvcollapse.step.coulomb_walls import bed_reaction
 from fvcollapse.step.gate import Lift, gate_height, gate_reaction, gate_velocity
 
 
-@pytest.mark.parametrize("lift", [Lift(0.7, 0.13, 0.0), Lift(2.3, 0.0, 0.05), Lift(1.0, 0.02, 0.1)])
+@pytest.mark.parametrize(
+    "lift", [Lift(0.7, 0.13, 0.0, 0.0), Lift(2.3, 0.0, 0.05, 0.0), Lift(1.0, 0.02, 0.1, 0.0)]
+)
 def test_height_is_the_integral_of_the_velocity(lift):
     time = np.linspace(0.0, 0.4, 4001)
     velocity = np.array([gate_velocity(t, lift) for t in time])
@@ -26,7 +28,7 @@ def test_height_is_the_integral_of_the_velocity(lift):
 
 
 def test_gate_that_vanishes_stays_closed_until_then():
-    lift = Lift(math.inf, 0.0, 0.1)
+    lift = Lift(math.inf, 0.0, 0.1, 0.0)
     assert gate_height(0.09, lift) == 0.0
     assert gate_height(0.11, lift) == math.inf
     assert gate_velocity(0.11, lift) == 0.0
