@@ -252,6 +252,7 @@ class Effects(Section):
     bed_friction: case_effects.BedFriction | None = None
     cohesion: case_effects.Cohesion | None = None
     erodible_bed: case_effects.ErodibleBed | None = None
+    transverse_profile: case_effects.TransverseProfile | None = None
 
 
 class Case(Section):

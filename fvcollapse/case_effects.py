@@ -4,7 +4,7 @@ A section that is absent is off. Every default is zero strength (`mu_wall` apart
 must be given.
 """
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from fvcollapse.case_keys import Section, key
 
@@ -36,6 +36,18 @@ class ErodibleBed(Section):
     """A layer of the same grains, at rest on the bed under the column and down the slope."""
 
     thickness: Annotated[float, key("m", "thickness of the layer", ge=0, le=1000)] = 0.0
+
+
+class TransverseProfile(Section):
+    """A flow that is faster in the middle of the channel than at its lateral walls."""
+
+    velocity_ratio: Annotated[
+        float, key("-", "velocity in the middle over that at the walls", ge=1, inf=True)
+    ] = 1.0
+    view: Annotated[
+        Literal["average", "wall", "centre"],
+        key("-", "what the measurement sees: the mean of the width, the wall, the middle"),
+    ] = "average"
 
 
 class Viscosity(Section):

@@ -157,6 +157,16 @@ CATALOGUE = {
         },
         absorbed_in=("boundary.mu_bed",),
     ),
+    "transverse_profile": Effect(
+        PHYSICAL,
+        {
+            "velocity_ratio": Prior(
+                "uniform", 1.0, 1.5, "A2", "1.2-1.4 at the surface of a collapse in a channel"
+            ),
+        },
+        absorbed_in=("rheology.mu_1",),
+        variants=({"view": "average"}, {"view": "wall"}, {"view": "centre"}),
+    ),
 }
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fvcollapse.case import GRAVITY
+from fvcollapse.observation import seen_place
 from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
@@ -256,6 +257,9 @@ class Observations:
 def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
 
+    The effects of the case that change what is seen and not what flows act here
+    (`fvcollapse.observation`); the series of the result itself are without them.
+
     Parameters
     ----------
     result : Result
@@ -278,6 +282,8 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     else:
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
+    front[:, 1] = seen_place(front[:, 1], result.case)
+    profiles = profiles._replace(x=seen_place(profiles.x, result.case))
     stop = arrest_time(series["time"], series["max_speed"])
     scalars = {
         "runout": float(front[:, 1].max()),

@@ -37,6 +37,7 @@ from .step.lateral_friction import brake_before_solve, sink_constants
 from .step.momentum import advect_momentum
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
@@ -76,6 +77,7 @@ class Simulation:
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
         self.lift, self.layer = gate_lift(case), layer_thickness(case)
+        self.shape_factor = shape_factor_of(case)
         self.material = material(case)
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
@@ -193,6 +195,7 @@ class Simulation:
             dt,
             dx,
             dz,
+            self.shape_factor,
         )
         self._place(state.time + dt)
         balance = self._balance(dt)
@@ -216,7 +219,7 @@ class Simulation:
         )  # beyond the surface too
         dt = min(
             step_max,
-            limit_advection(fastest, case.time.cfl, h),
+            limit_advection(self.shape_factor * fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
             limit_gate(self.lift.speed, moving, dz),
         )

@@ -21,6 +21,7 @@ LAYERS = (
     "state",
     "step",
     "simulation",
+    "observation",
     "observables files",
     "recorder",
     "checkpoint result xdmf console",

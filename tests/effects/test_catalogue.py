@@ -18,6 +18,7 @@ ZERO = {
     "bed_friction": [{}, {"mu_bed": 0.48}],
     "cohesion": [{}],
     "erodible_bed": [{}],
+    "transverse_profile": [{}, {"view": "wall"}],
 }
 ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
 
