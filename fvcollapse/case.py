@@ -26,6 +26,7 @@ from fvcollapse.case_keys import (
     toml_lines,
 )
 from fvcollapse.case_rules import POLYGON_WORDS, RULES
+from fvcollapse.effects import with_effects
 from fvcollapse.errors import CaseError
 
 GRAVITY = 9.81  # m/s2, fixed
@@ -253,6 +254,10 @@ class Effects(Section):
     cohesion: case_effects.Cohesion | None = None
     erodible_bed: case_effects.ErodibleBed | None = None
     transverse_profile: case_effects.TransverseProfile | None = None
+    front_saltation: case_effects.FrontSaltation | None = None
+    tilt: case_effects.Tilt | None = None
+    column_size: case_effects.ColumnSize | None = None
+    time_origin: case_effects.TimeOrigin | None = None
 
 
 class Case(Section):
@@ -341,6 +346,8 @@ def case_from_table(table, source="case", overridden=()):
     try:
         case = msgspec.convert(table, Case)
         refused = [refusal for rule in RULES for refusal in rule(case)]
+        if not refused:  # what the effects make of the case must be a case too
+            refused = [refusal for rule in RULES for refusal in rule(with_effects(case))]
     except msgspec.ValidationError as error:
         refused = [refusal_of_type(table, Case, str(error))]
     for name, found, allowed in refused:

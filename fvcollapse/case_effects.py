@@ -82,3 +82,37 @@ class Cohesion(Section):
     kappa_0: Annotated[
         float, key("Pa", "cohesion added to rheology.cohesion in the yield stress", ge=0, le=1e5)
     ] = 0.0
+
+
+class FrontSaltation(Section):
+    """Beads that detach ahead of the front and are taken for it: an effect of the observation."""
+
+    bias: Annotated[float, key("m", "how far ahead the front is seen", ge=-1, le=1)] = 0.0
+    spread: Annotated[float, key("m", "standard deviation of its scatter", ge=0, le=1)] = 0.0
+    correlation_time: Annotated[
+        float, key("s", "how long a bead is ahead: correlation of the scatter", gt=0, le=1000)
+    ] = 0.05
+    seed: Annotated[int, key("-", "which realisation of the scatter", ge=0)] = 0
+
+
+class Tilt(Section):
+    """Error of the slope: the bed of the laboratory is not inclined as stated."""
+
+    angle_deg: Annotated[float, key("deg", "added to geometry.slope_angle_deg", ge=-30, le=30)] = (
+        0.0
+    )
+
+
+class ColumnSize(Section):
+    """Error of the size of the column; the gate stands at its end."""
+
+    height: Annotated[float, key("m", "added to geometry.height_0", ge=-1000, le=1000)] = 0.0
+    length: Annotated[float, key("m", "added to geometry.length_0", ge=-1000, le=1000)] = 0.0
+
+
+class TimeOrigin(Section):
+    """Error of the clock of the measurement."""
+
+    offset: Annotated[
+        float, key("s", "simulated time at which the clock shows zero", ge=-1000, le=1000)
+    ] = 0.0

@@ -125,7 +125,7 @@ def rule_cohesion(case):
 
 def rule_erodible_bed(case):
     """The layer rests by itself, is no film, and has nothing but itself at its end."""
-    effect, weaker = case.effects.erodible_bed, case.effects.bed_friction
+    effect = case.effects.erodible_bed
     if effect is None or effect.thickness == 0.0:
         return
     film = case.numerics.film_thickness
@@ -139,18 +139,35 @@ def rule_erodible_bed(case):
     ):
         if found != allowed:
             yield name, show(found), f"{show(allowed)} with effects.erodible_bed"
-    bed = case.boundary.mu_bed
-    if weaker is not None and weaker.mu_bed is not None:
-        bed = weaker.mu_bed
-    friction, slope = min(case.rheology.mu_1, bed), tan(radians(slope_deg(case)))
-    if slope >= friction:
+    friction, slope = min(case.rheology.mu_1, case.boundary.mu_bed), case.geometry.slope_angle_deg
+    if tan(radians(slope)) >= friction:
         limit = f"below {degrees(atan(friction)):.4g}, where a layer on the bed rests by itself"
-        yield "geometry.slope_angle_deg", f"{slope_deg(case):g}", limit
+        yield "geometry.slope_angle_deg", f"{slope:g}", limit
 
 
-def slope_deg(case):
-    """Inclination of the bed with all effects, deg."""
-    return case.geometry.slope_angle_deg
+def rule_tilt(case):
+    """The tilted slope is a slope that the solver takes."""
+    effect, slope = case.effects.tilt, case.geometry.slope_angle_deg
+    if effect is not None and not 0.0 <= slope + effect.angle_deg <= 30.0:
+        found = f"{effect.angle_deg:g}, which makes a slope of {slope + effect.angle_deg:g}"
+        yield "effects.tilt.angle_deg", found, "a slope of 0 to 30"
+
+
+def rule_column_size(case):
+    """The column with its errors is a rectangle of at least four cells, its gate included."""
+    effect, geometry, grid = case.effects.column_size, case.geometry, case.grid
+    if effect is None:
+        return
+    if geometry.polygon is not None:
+        yield "effects.column_size", "a table", "absent with geometry.polygon"
+    least = 4.0 * (grid.cell_size_z or grid.cell_size) / ROUND_OFF
+    for name, error, size, smallest in (
+        ("height", effect.height, geometry.height_0, least),
+        ("length", effect.length, geometry.length_0, 0.5 * geometry.length_0),
+    ):
+        if size + error < smallest:
+            allowed = f">= {smallest - size:g}, with geometry.{name}_0 = {size:g}"
+            yield f"effects.column_size.{name}", f"{error:g}", allowed
 
 
 RULES = (
@@ -165,6 +182,8 @@ RULES = (
     rule_viscosity,
     rule_cohesion,
     rule_erodible_bed,
+    rule_tilt,
+    rule_column_size,
 )
 
 

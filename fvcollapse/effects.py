@@ -49,7 +49,8 @@ class Effect(NamedTuple):
     ----------
     kind : str
         PHYSICAL (changes the flow), OBSERVATION (changes what is seen of it) or NUISANCE (an error of
-        the set-up: marginalised, never a verdict).
+        the set-up: marginalised, never a verdict; its standard deviation is that of the experiment
+        where it states one, else that of the prior).
     priors : dict
         Parameter -> `Prior`.
     absorbed_in : tuple of str
@@ -167,6 +168,29 @@ CATALOGUE = {
         absorbed_in=("rheology.mu_1",),
         variants=({"view": "average"}, {"view": "wall"}, {"view": "centre"}),
     ),
+    "front_saltation": Effect(
+        OBSERVATION,
+        {
+            "bias": Prior("normal", 0.0, 0.02, "A", "error of the runout by saltation, +-2 cm"),
+            "spread": Prior("halfnormal", 0.0, 0.01, "C", "half of that error, frame to frame"),
+        },
+    ),
+    "tilt": Effect(
+        NUISANCE,
+        {"angle_deg": Prior("normal", 0.0, 0.3, "C", "a spirit level over a channel of 3 m")},
+        absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
+    ),
+    "column_size": Effect(
+        NUISANCE,
+        {
+            "height": Prior("normal", 0.0, 0.002, "C", "three grain diameters"),
+            "length": Prior("normal", 0.0, 0.002, "C", "three grain diameters"),
+        },
+    ),
+    "time_origin": Effect(
+        NUISANCE,
+        {"offset": Prior("normal", 0.0, 0.01, "C", "half a frame at 50 Hz")},
+    ),
 }
 
 
@@ -236,4 +260,37 @@ def change_cohesion(case):
     return replace(_without(case, "cohesion"), rheology=law)
 
 
-KEY_CHANGES = (change_gate, change_viscosity, change_bed_friction, change_cohesion)
+def change_tilt(case):
+    """Tilt: another slope."""
+    effect, geometry = case.effects.tilt, case.geometry
+    if effect is None:
+        return case
+    geometry = replace(geometry, slope_angle_deg=geometry.slope_angle_deg + effect.angle_deg)
+    return replace(_without(case, "tilt"), geometry=geometry)
+
+
+def change_column_size(case):
+    """Size of the column: the same number of cells in another length, so that the response is smooth."""
+    effect, geometry, grid = case.effects.column_size, case.geometry, case.grid
+    if effect is None:
+        return case
+    if effect.length != 0.0:
+        stretch = (geometry.length_0 + effect.length) / geometry.length_0
+        height = grid.cell_size_z or grid.cell_size
+        grid = replace(grid, cell_size=stretch * grid.cell_size, cell_size_z=height)
+    geometry = replace(
+        geometry,
+        height_0=geometry.height_0 + effect.height,
+        length_0=geometry.length_0 + effect.length,
+    )
+    return replace(_without(case, "column_size"), geometry=geometry, grid=grid)
+
+
+KEY_CHANGES = (
+    change_gate,
+    change_viscosity,
+    change_bed_friction,
+    change_cohesion,
+    change_tilt,
+    change_column_size,
+)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fvcollapse.case import GRAVITY
-from fvcollapse.observation import seen_place
+from fvcollapse.observation import seen_front, seen_place, seen_time_origin
 from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
@@ -270,7 +270,7 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
         Thickness that defines the front [m]; default: the one of the case, from the series of every
         step. Another one is read off the stored profiles.
     time_origin : float, optional
-        Simulated time that counts as t = 0 [s]; default 0.
+        Simulated time that counts as t = 0 [s]; default 0. The effect `time_origin` adds to it.
     """
     if front_thickness is None:
         front_thickness = getattr(experiment, "front_thickness", None)
@@ -282,8 +282,9 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     else:
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
-    front[:, 1] = seen_place(front[:, 1], result.case)
+    front[:, 1] = seen_front(*front.T, result.case)
     profiles = profiles._replace(x=seen_place(profiles.x, result.case))
+    time_origin += seen_time_origin(result.case)
     stop = arrest_time(series["time"], series["max_speed"])
     scalars = {
         "runout": float(front[:, 1].max()),

@@ -19,6 +19,10 @@ ZERO = {
     "cohesion": [{}],
     "erodible_bed": [{}],
     "transverse_profile": [{}, {"view": "wall"}],
+    "front_saltation": [{}],
+    "tilt": [{}],
+    "column_size": [{}],
+    "time_origin": [{}],
 }
 ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
 
