@@ -52,6 +52,7 @@ def command_line():
     add_plot(commands)
     add_verify(commands)
     add_converge(commands)
+    add_bench(commands)
     add_keys(commands)
     return parser
 
@@ -213,6 +214,27 @@ def converge(arguments):
     print(f"\n{table(records, axis, case)}\n")
     for path in paths:
         print(path)
+    return 0
+
+
+def add_bench(commands):
+    """`bench`: what runs cost."""
+    parser = commands.add_parser(
+        "bench", help="measure the cost of fixed cases", description=bench.__doc__
+    )
+    parser.add_argument("names", metavar="NAME", nargs="*", help="cases; default all to 3 mm")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=bench)
+
+
+def bench(arguments):
+    """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
+    refuse_bad_target(arguments.json)
+    from fvcollapse.bench import run_bench, table
+
+    report = run_bench(arguments.names, arguments.json, quiet=arguments.quiet)
+    print(table(report))
     return 0
 
 

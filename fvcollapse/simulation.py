@@ -177,20 +177,7 @@ class Simulation:
         dx, dz = self.spacing
         self._repeat(state.level_set, state.u, state.w)
         correction = self._move_surface(dt)
-        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
-        advect_momentum(
-            u_star,
-            w_star,
-            state.u,
-            state.w,
-            state.bed_slip,
-            self.geometry.aperture,
-            start.level_set,
-            state.level_set,
-            dt,
-            dx,
-            dz,
-        )
+        u_star, w_star = self._advect_momentum(start.level_set, dt)
         self._place(state.time + dt)
         balance = self._balance(dt)
         impulse = self._split_friction(u_star, w_star, balance)
@@ -268,6 +255,24 @@ class Simulation:
         )
         state.volume_correction += abs(added)
         return added
+
+    def _advect_momentum(self, old_level_set, dt):
+        """Velocity (u*, w*) after the mass between the old and the new surface has carried it for dt."""
+        state = self.state
+        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
+        advect_momentum(
+            u_star,
+            w_star,
+            state.u,
+            state.w,
+            state.bed_slip,
+            self.geometry.aperture,
+            old_level_set,
+            state.level_set,
+            dt,
+            *self.spacing,
+        )
+        return u_star, w_star
 
     def _book_outflow(self, u_node, w_node, dt):
         """Volume and energy that cross an open end during the step."""

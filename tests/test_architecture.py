@@ -24,7 +24,7 @@ LAYERS = (
     "recorder",
     "checkpoint result xdmf console",
     "output",
-    "drawing convergence",
+    "drawing convergence bench",
     "pictures refinement",
     "refinement_report",
     "verification",
