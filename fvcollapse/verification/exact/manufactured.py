@@ -1,0 +1,98 @@
+"""Manufactured solutions: a flow is prescribed, and the force that drives it follows."""
+
+import math
+
+import numpy as np
+
+from fvcollapse.case import GRAVITY
+
+
+def viscosity(case, shear_rate, pressure):
+    """Eta of the Drucker-Prager law, Pa s: mu_1 p/sqrt(gd^2 + gd_min^2) + viscosity."""
+    law, rate_min = case.rheology, case.numerics.shear_rate_min
+    return law.mu_1 * pressure / np.sqrt(shear_rate**2 + rate_min**2) + law.viscosity
+
+
+def manufactured_force(case, flow, x, z):
+    """Acceleration that makes `flow` a steady solution: div(u u + (p I - 2 eta D)/rho) - g.
+
+    Parameters
+    ----------
+    flow : callable
+        (x, z) -> u, w, p, u_x, u_z, w_x, analytic, with w_z = -u_x. The divergence is taken by
+        complex steps, which are exact to round-off (Squire & Trapp 1998, SIAM Rev. 40, 110).
+
+    Returns
+    -------
+    (f_x, f_z) : arrays
+        m/s2, beside gravity.
+    """
+
+    def flux(x, z):
+        u, w, p, u_x, u_z, w_x = flow(x, z)
+        eta = (
+            viscosity(case, np.sqrt(4 * u_x**2 + (u_z + w_x) ** 2), p) / case.rheology.density_bulk
+        )
+        p = p / case.rheology.density_bulk
+        shear = u * w - eta * (u_z + w_x)
+        return u * u + p - 2 * eta * u_x, shear, w * w + p + 2 * eta * u_x
+
+    step = 1e-30
+    along, across = flux(x + 1j * step, z + 0j), flux(x + 0j, z + 1j * step)
+    slope = math.radians(case.geometry.slope_angle_deg)
+    return (
+        (along[0].imag + across[1].imag) / step - GRAVITY * math.sin(slope),
+        (along[1].imag + across[2].imag) / step + GRAVITY * math.cos(slope),
+    )
+
+
+def manufactured_box(x, z):
+    """Flow in the unit box with free slip: stream function 0.1 sin kx sin 2kz, k = pi, and p > 0.
+
+    Shear and extension are both present (the Taylor-Green flow has no shear). Returns u, w, p, u_x,
+    u_z, w_x.
+    """
+    k, a = math.pi, 0.1
+    sin_x, cos_x, sin_z, cos_z = np.sin(k * x), np.cos(k * x), np.sin(2 * k * z), np.cos(2 * k * z)
+    return (
+        2 * k * a * sin_x * cos_z,
+        -k * a * cos_x * sin_z,
+        3000.0 * (1.0 + 0.5 * cos_x * np.cos(k * z)),
+        2 * k**2 * a * cos_x * cos_z,
+        -4 * k**2 * a * sin_x * sin_z,
+        k**2 * a * sin_x * sin_z,
+    )
+
+
+def manufactured_surface(x):
+    """Height of a curved free surface in the unit box, m; level at both walls."""
+    return 0.6 + 0.1 * np.cos(math.pi * x)
+
+
+def manufactured_below_surface(x, z):
+    """Flow in the unit box below a curved free surface at rest, free slip on bed and walls.
+
+    Stream function a sin(kx) (z y)^3 with the depth y below the surface: velocity, strain rate and
+    pressure vanish on the surface, so that it bears no stress and does not move. Returns u, w, p,
+    u_x, u_z, w_x.
+    """
+    k, a = math.pi, 15.0
+    y, y_x, y_xx = (
+        manufactured_surface(x) - z,
+        -0.1 * k * np.sin(k * x),
+        -0.1 * k**2 * np.cos(k * x),
+    )
+    s, s_x, s_xx = np.sin(k * x), k * np.cos(k * x), -(k**2) * np.sin(k * x)
+    m, m_x, m_z, m_xx, m_xz, m_zz = z * y, z * y_x, y - z, z * y_xx, y_x, -2.0
+    cube_x, cube_z = 3 * m**2 * m_x, 3 * m**2 * m_z
+    cube_xx = 6 * m * m_x**2 + 3 * m**2 * m_xx
+    cube_xz = 6 * m * m_x * m_z + 3 * m**2 * m_xz
+    cube_zz = 6 * m * m_z**2 + 3 * m**2 * m_zz
+    return (
+        a * s * cube_z,
+        -a * (s_x * m**3 + s * cube_x),
+        10000.0 * y * (1.0 + 0.3 * np.cos(k * x)),
+        a * (s_x * cube_z + s * cube_xz),
+        a * s * cube_zz,
+        -a * (s_xx * m**3 + 2 * s_x * cube_x + s * cube_xx),
+    )
