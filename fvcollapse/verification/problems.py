@@ -4,9 +4,17 @@ from fvcollapse.verification import (
     problems_box,
     problems_collapse,
     problems_growth,
+    problems_manufactured,
     problems_surface,
     problems_uniform,
 )
 
-GROUPS = (problems_uniform, problems_box, problems_surface, problems_collapse, problems_growth)
+GROUPS = (
+    problems_uniform,
+    problems_box,
+    problems_manufactured,
+    problems_surface,
+    problems_collapse,
+    problems_growth,
+)
 PROBLEMS = tuple(problem for group in GROUPS for problem in group.PROBLEMS)

@@ -20,7 +20,19 @@ TERMS = (
         ("film_newtonian", "poiseuille", "manufactured_velocity", "manufactured_surface_velocity"),
     ),
     ("ρ ∂u/∂t", "step/coupled.py", ("start_up", "couette_start_up")),
-    ("ρ u·∇u", "step/momentum.py", ("taylor_green", "cavity", "cavity_ghia")),
+    (
+        "ρ u·∇u",
+        "step/momentum.py",
+        (
+            "taylor_green",
+            "taylor_green_pressure",
+            "manufactured_advection",
+            "manufactured_advection_pressure",
+            "manufactured_advection_courant",
+            "cavity",
+            "cavity_ghia",
+        ),
+    ),
     (
         "∇p, div u = 0",
         "step/coupled.py",

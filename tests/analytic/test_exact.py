@@ -12,7 +12,7 @@ from fvcollapse.verification.flows import layer_case
 from fvcollapse.verification.problems_collapse import column_case
 
 STEP = 1e-30  # of the complex derivatives, exact to round-off
-FLOWS = [exact.manufactured_box, exact.manufactured_below_surface]
+FLOWS = [exact.manufactured_box, exact.manufactured_below_surface, exact.manufactured_gyres]
 
 
 @pytest.mark.parametrize("flow", FLOWS)
@@ -45,12 +45,51 @@ def test_manufactured_surface_bears_no_stress_and_rests():
 def test_force_of_a_fluid_at_rest_is_its_buoyancy():
     """Pressure rho g (1 - z) balances gravity: no force is left to add."""
 
-    def at_rest(x, z):
+    def at_rest(x, z, time):
         zero = 0.0 * x
         return zero, zero, 1000.0 * GRAVITY * (1.0 - z), zero, zero, zero
 
-    force = exact.manufactured_force(box_case(8), at_rest, np.array([0.3]), np.array([0.4]))
+    force = exact.manufactured_force(box_case(8), at_rest, np.array([0.3]), np.array([0.4]), 0.0)
     np.testing.assert_allclose(force, 0.0, atol=1e-12)
+
+
+def test_pressure_balances_the_advection_of_taylor_green():
+    """Without viscosity the flow is steady: its force is the gradient of the pressure and gravity."""
+    case = box_case(8, rheology__viscosity=0.0)
+
+    def flow(x, z, time):
+        k = np.pi
+        u, w = exact.taylor_green(x, z, time, 0.0, k, 1.3)
+        p = 1000.0 * (GRAVITY * (1.0 - z) + exact.taylor_green_pressure(x, z, time, 0.0, k, 1.3))
+        u_x = 1.3 * k * np.cos(k * x) * np.cos(k * z)
+        u_z = -1.3 * k * np.sin(k * x) * np.sin(k * z)
+        return u, w, p, u_x, u_z, -u_z
+
+    force = exact.manufactured_force(case, flow, np.array([0.3, 0.7]), np.array([0.4, 0.2]), 0.0)
+    np.testing.assert_allclose(force, 0.0, atol=1e-12)
+
+
+def test_force_of_swinging_gyres_holds_their_acceleration():
+    """Against the momentum balance in advective form, differentiated in time by differences."""
+    case = box_case(8, rheology__viscosity=20.0)
+    x, z, time, gap = np.array([0.3, 0.8]), np.array([0.4, 0.7]), 0.2, 1e-6
+
+    def flow(x, z):
+        return np.array(exact.manufactured_gyres(x, z, time))
+
+    u, w, _, u_x, u_z, _ = flow(x, z)
+    before, after = (exact.manufactured_gyres(x, z, time + step) for step in (-gap, gap))
+    p_x = flow(x + 1j * STEP, z)[2].imag / STEP
+    gap_wide = 1e-4
+    laplace = sum(
+        (flow(x + a, z + b)[0] - 2 * u + flow(x - a, z - b)[0]) / gap_wide**2
+        for a, b in ((gap_wide, 0.0), (0.0, gap_wide))
+    )
+    expected = (
+        (after[0] - before[0]) / (2 * gap) + u * u_x + w * u_z + p_x / 1000.0 - 0.02 * laplace
+    )
+    found = exact.manufactured_force(case, exact.manufactured_gyres, x, z, time)[0]
+    np.testing.assert_allclose(found, expected, atol=1e-5)
 
 
 def test_couette_start_up_ends_in_the_straight_profile():

@@ -13,6 +13,7 @@ from fvcollapse.verification.exact.enclosed import (
     couette_start_up,
     poiseuille,
     taylor_green,
+    taylor_green_pressure,
 )
 from fvcollapse.verification.exact.growth import growth_rate, growth_rate_bagnold
 from fvcollapse.verification.exact.lateral_walls import (
@@ -36,6 +37,7 @@ from fvcollapse.verification.exact.manufactured import (
     manufactured_below_surface,
     manufactured_box,
     manufactured_force,
+    manufactured_gyres,
     manufactured_surface,
 )
 from fvcollapse.verification.exact.steady import (

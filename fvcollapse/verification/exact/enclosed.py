@@ -14,11 +14,21 @@ def taylor_green(x, z, time, viscosity_kinematic, wave_number, speed):
     the viscous force is -2 nu k^2 u. Taylor & Green (1937), Proc. R. Soc. A 158, 499. (u, w), m/s.
     """
     k = wave_number
-    fade = speed * math.exp(-2 * viscosity_kinematic * k**2 * time)
+    fade = speed * np.exp(-2 * viscosity_kinematic * k**2 * time)
     return (
         fade * np.sin(k * x) * np.cos(k * z),
         -fade * np.cos(k * x) * np.sin(k * z),
     )
+
+
+def taylor_green_pressure(x, z, time, viscosity_kinematic, wave_number, speed):
+    """Its pressure over the density, whose gradient balances the advection: (U F)^2 (cos 2kx + cos 2kz)/4, m2/s2.
+
+    Beside the hydrostatic one, and but for a constant.
+    """
+    k = wave_number
+    fade = speed * np.exp(-2 * viscosity_kinematic * k**2 * time)
+    return 0.25 * fade**2 * (np.cos(2 * k * x) + np.cos(2 * k * z))
 
 
 def poiseuille(case, z):

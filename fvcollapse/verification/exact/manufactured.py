@@ -8,18 +8,20 @@ from fvcollapse.case import GRAVITY
 
 
 def viscosity(case, shear_rate, pressure):
-    """Eta of the Drucker-Prager law, Pa s: mu_1 p/sqrt(gd^2 + gd_min^2) + viscosity."""
+    """Eta, Pa s: constant, or mu_1 p/sqrt(gd^2 + gd_min^2) + viscosity of the Drucker-Prager law."""
     law, rate_min = case.rheology, case.numerics.shear_rate_min
+    if law.law == "newtonian":
+        return law.viscosity + 0.0 * shear_rate
     return law.mu_1 * pressure / np.sqrt(shear_rate**2 + rate_min**2) + law.viscosity
 
 
-def manufactured_force(case, flow, x, z):
-    """Acceleration that makes `flow` a steady solution: div(u u + (p I - 2 eta D)/rho) - g.
+def manufactured_force(case, flow, x, z, time):
+    """Acceleration that makes `flow` a solution: u_t + div(u u + (p I - 2 eta D)/rho) - g.
 
     Parameters
     ----------
     flow : callable
-        (x, z) -> u, w, p, u_x, u_z, w_x, analytic, with w_z = -u_x. The divergence is taken by
+        (x, z, time) -> u, w, p, u_x, u_z, w_x, analytic, with w_z = -u_x. Derivatives are taken by
         complex steps, which are exact to round-off (Squire & Trapp 1998, SIAM Rev. 40, 110).
 
     Returns
@@ -29,7 +31,7 @@ def manufactured_force(case, flow, x, z):
     """
 
     def flux(x, z):
-        u, w, p, u_x, u_z, w_x = flow(x, z)
+        u, w, p, u_x, u_z, w_x = flow(x, z, time)
         eta = (
             viscosity(case, np.sqrt(4 * u_x**2 + (u_z + w_x) ** 2), p) / case.rheology.density_bulk
         )
@@ -39,14 +41,15 @@ def manufactured_force(case, flow, x, z):
 
     step = 1e-30
     along, across = flux(x + 1j * step, z + 0j), flux(x + 0j, z + 1j * step)
+    later = flow(x, z, time + 1j * step)
     slope = math.radians(case.geometry.slope_angle_deg)
     return (
-        (along[0].imag + across[1].imag) / step - GRAVITY * math.sin(slope),
-        (along[1].imag + across[2].imag) / step + GRAVITY * math.cos(slope),
+        (later[0].imag + along[0].imag + across[1].imag) / step - GRAVITY * math.sin(slope),
+        (later[1].imag + along[1].imag + across[2].imag) / step + GRAVITY * math.cos(slope),
     )
 
 
-def manufactured_box(x, z):
+def manufactured_box(x, z, time=0.0):
     """Flow in the unit box with free slip: stream function 0.1 sin kx sin 2kz, k = pi, and p > 0.
 
     Shear and extension are both present (the Taylor-Green flow has no shear). Returns u, w, p, u_x,
@@ -64,12 +67,36 @@ def manufactured_box(x, z):
     )
 
 
+def manufactured_gyres(x, z, time=0.0):
+    """Two gyres that swing in the unit box with free slip, once in 2 pi/3 s; at most about 1 m/s.
+
+    Stream function 0.3 (cos(3t) sin kx + sin(3t) sin 2kx) sin kz, k = pi. Its two parts have
+    different vorticities per stream function, so the advection is no gradient and the pressure
+    cannot balance it, unlike that of the Taylor-Green flow. Returns u, w, p, u_x, u_z, w_x; the
+    pressure is for a density of 1000 kg/m3.
+    """
+    k, a = math.pi, 0.3
+    one, two = a * np.cos(3.0 * time), a * np.sin(3.0 * time)
+    s = one * np.sin(k * x) + two * np.sin(2 * k * x)
+    s_x = k * (one * np.cos(k * x) + 2 * two * np.cos(2 * k * x))
+    s_xx = -(k**2) * (one * np.sin(k * x) + 4 * two * np.sin(2 * k * x))
+    sin_z, cos_z = np.sin(k * z), np.cos(k * z)
+    return (
+        k * s * cos_z,
+        -s_x * sin_z,
+        1000.0 * (GRAVITY * (1.0 - z) + 0.5 * np.cos(k * x) * cos_z),
+        k * s_x * cos_z,
+        -(k**2) * s * sin_z,
+        -s_xx * sin_z,
+    )
+
+
 def manufactured_surface(x):
     """Height of a curved free surface in the unit box, m; level at both walls."""
     return 0.6 + 0.1 * np.cos(math.pi * x)
 
 
-def manufactured_below_surface(x, z):
+def manufactured_below_surface(x, z, time=0.0):
     """Flow in the unit box below a curved free surface at rest, free slip on bed and walls.
 
     Stream function a sin(kx) (z y)^3 with the depth y below the surface: velocity, strain rate and
