@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from fvcollapse.case import GRAVITY
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.boxes import Box, box_case, channel_case
 from fvcollapse.verification.flows import run_until
 from fvcollapse.verification.problem import Problem
@@ -167,7 +167,7 @@ GHIA_SOURCE = "Ghia's own error, up to 0.0092 from Marchi et al. (2009), and the
 PROBLEMS = (
     Problem(
         "taylor_green",
-        "advection, viscosity and pressure; free slip",
+        terms.ADVECTION,
         lambda cells: taylor_green(cells)[0],
         (8, 16, 32, 64),
         2.0,
@@ -175,7 +175,7 @@ PROBLEMS = (
     ),
     Problem(
         "taylor_green_pressure",
-        "the pressure of the same vortices, which is that of the advection alone",
+        terms.ADVECTION,
         lambda cells: taylor_green(cells)[1],
         (8, 16, 32, 64),
         2.0,
@@ -183,18 +183,16 @@ PROBLEMS = (
     ),
     Problem(
         "poiseuille",
-        "div(2 eta D) between two walls",
+        terms.VISCOUS,
         poiseuille_errors,
         (8, 16, 32),
         2.0,
         1.2e-3,
     ),
-    Problem(
-        "couette_start_up", "viscosity in time, moving bed", couette_errors, (8, 16, 32), 2.0, 1e-3
-    ),
+    Problem("couette_start_up", terms.INERTIA, couette_errors, (8, 16, 32), 2.0, 1e-3),
     Problem(
         "cavity",
-        "advection and viscosity, against Marchi et al.",
+        terms.ADVECTION,
         cavity_errors(sixteenths(exact.MARCHI_U), sixteenths(exact.MARCHI_V)),
         (12, 16, 24, 32),
         2.0,
@@ -202,7 +200,7 @@ PROBLEMS = (
     ),
     Problem(
         "cavity_ghia",
-        "the same, against Ghia et al.",
+        terms.ADVECTION,
         cavity_errors(exact.GHIA_U, exact.GHIA_V),
         (16, 24, 32),
         None,

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.boxes import Box, box_case
 from fvcollapse.verification.flows import run_until
 from fvcollapse.verification.problem import Problem
@@ -98,7 +98,7 @@ def gyres(cells, refined):
 PROBLEMS = (
     Problem(
         "manufactured_velocity",
-        "div(2 eta D) with eta(p, shear rate)",
+        terms.VISCOUS,
         manufactured_errors(0),
         (8, 16, 32, 48),
         2.0,
@@ -106,7 +106,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_pressure",
-        "pressure beside eta(p, shear rate)",
+        terms.PRESSURE,
         manufactured_errors(1),
         (8, 16, 32, 48),
         2.0,
@@ -114,7 +114,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_surface_velocity",
-        "the same below a curved free surface",
+        terms.VISCOUS,
         manufactured_surface_errors(0),
         (8, 16, 32, 48),
         2.0,
@@ -122,7 +122,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_surface_pressure",
-        "the same below a curved free surface",
+        terms.PRESSURE,
         manufactured_surface_errors(1),
         (8, 16, 32, 48),
         2.0,
@@ -130,7 +130,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_advection",
-        "advection that no pressure balances, moving, cell Reynolds number >= 200",
+        terms.ADVECTION,
         lambda cells: gyres(cells, 2)[0],
         (8, 16, 32, 48),
         2.0,
@@ -138,7 +138,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_advection_pressure",
-        "the pressure of the same flow",
+        terms.ADVECTION,
         lambda cells: gyres(cells, 2)[1],
         (8, 16, 32, 48),
         2.0,
@@ -146,7 +146,7 @@ PROBLEMS = (
     ),
     Problem(
         "manufactured_advection_courant",
-        "the same at a constant Courant number, 0.16: first order in time",
+        terms.ADVECTION,
         lambda cells: gyres(cells, 1)[0],
         (8, 16, 32, 48),
         1.0,

@@ -7,7 +7,7 @@ import numpy as np
 from fvcollapse.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import surface_errors, transport
 from fvcollapse.verification.problem import Problem
 
@@ -83,7 +83,7 @@ UPPER_DISC = disc_at(0.5, 0.75)
 PROBLEMS = (
     Problem(
         "tilted_box",
-        "pressure, cut cells",
+        terms.CUT_CELLS,
         tilted_box_errors,
         (10, 16, 24),
         None,
@@ -92,7 +92,7 @@ PROBLEMS = (
     ),
     Problem(
         "disc",
-        "level set",
+        terms.SURFACE,
         surface_problem(disc_at(0.3, 0.3), uniform, 1.0, disc_at(0.7, 0.6)),
         (32, 64, 128),
         1.8,
@@ -100,7 +100,7 @@ PROBLEMS = (
     ),
     Problem(
         "zalesak",
-        "level set",
+        terms.SURFACE,
         surface_problem(exact.slotted_disc, exact.rotation, 1.0),
         (50, 100, 200),
         None,
@@ -109,7 +109,7 @@ PROBLEMS = (
     ),
     Problem(
         "vortex_2s",
-        "level set",
+        terms.SURFACE,
         surface_problem(UPPER_DISC, exact.single_vortex(2.0), 2.0),
         (32, 64, 128),
         1.8,
@@ -117,7 +117,7 @@ PROBLEMS = (
     ),
     Problem(
         "vortex_8s",
-        "level set",
+        terms.SURFACE,
         surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0),
         (64, 128, 192),
         None,

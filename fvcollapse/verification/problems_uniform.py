@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fvcollapse.case import GRAVITY
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady
 from fvcollapse.verification.problem import Problem
 
@@ -193,21 +193,13 @@ def creep_errors(cells):
 
 
 PROBLEMS = (
-    Problem(
-        "bagnold_22deg", "mu(I), equations 3-7", bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3
-    ),
-    Problem(
-        "bagnold_24deg", "mu(I), equations 3-7", bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3
-    ),
-    Problem(
-        "bagnold_28deg", "mu(I), equations 3-7", bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3
-    ),
-    Problem(
-        "bagnold_gerris", "mu(I), against Gerris", bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4
-    ),
+    Problem("bagnold_22deg", terms.MU_I, bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3),
+    Problem("bagnold_24deg", terms.MU_I, bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3),
+    Problem("bagnold_28deg", terms.MU_I, bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3),
+    Problem("bagnold_gerris", terms.MU_I, bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4),
     Problem(
         "incline_drucker_prager",
-        "Drucker-Prager, equation 8",
+        terms.DRUCKER_PRAGER,
         steady_errors(
             exact.incline_drucker_prager,
             **SLOPE,
@@ -221,7 +213,7 @@ PROBLEMS = (
     ),
     Problem(
         "film_newtonian",
-        "div(2 eta D): half a Poiseuille flow",
+        terms.VISCOUS,
         steady_errors(
             exact.film_newtonian, **SLOPE, rheology__law="newtonian", rheology__viscosity=1.0
         ),
@@ -231,7 +223,7 @@ PROBLEMS = (
     ),
     Problem(
         "film_bingham",
-        "yield stress: half a Bingham Poiseuille flow",
+        terms.YIELD_STRESS,
         steady_errors(
             exact.film_bingham,
             **SLOPE,
@@ -245,7 +237,7 @@ PROBLEMS = (
     ),
     Problem(
         "chute_drucker_prager_shallow",
-        "lateral friction, equation 19",
+        terms.LATERAL_WALLS,
         steady_errors(
             exact.chute_drucker_prager,
             **{**SLOPE, "geometry__slope_angle_deg": 25.0},
@@ -260,7 +252,7 @@ PROBLEMS = (
     ),
     Problem(
         "chute_mu_I_shallow",
-        "lateral friction, equation 19",
+        terms.LATERAL_WALLS,
         steady_errors(
             exact.chute_mu_I, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
         ),
@@ -270,7 +262,7 @@ PROBLEMS = (
     ),
     Problem(
         "chute_drucker_prager_deep",
-        "lateral friction, equation 19: flowing depth",
+        terms.LATERAL_WALLS,
         steady_errors(
             exact.chute_drucker_prager,
             0.06,
@@ -287,7 +279,7 @@ PROBLEMS = (
     ),
     Problem(
         "chute_mu_I_deep",
-        "lateral friction, equation 19: flowing depth",
+        terms.LATERAL_WALLS,
         steady_errors(
             exact.chute_mu_I, 0.08, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
         ),
@@ -298,7 +290,7 @@ PROBLEMS = (
     ),
     Problem(
         "imposed_bed_stress",
-        "Coulomb bed, equation 12",
+        terms.BED,
         imposed_bed_stress_errors,
         (8, 16, 32),
         None,
@@ -307,29 +299,27 @@ PROBLEMS = (
     ),
     Problem(
         "bed_slip",
-        "Coulomb bed, equation 12",
+        terms.BED,
         slip_errors,
         (4, 8, 16),
         None,
         1e-5,
         "tolerance of the solver",
     ),
-    Problem(
-        "block", "Coulomb bed, stick and slip", block_errors(False), (4, 8, 16), None, 1e-3, "creep"
-    ),
+    Problem("block", terms.BED, block_errors(False), (4, 8, 16), None, 1e-3, "creep"),
     Problem(
         "block_walls",
-        "lateral friction, stick and slip",
+        terms.LATERAL_WALLS,
         block_errors(True),
         (4, 8, 16),
         None,
         1e-3,
         "creep",
     ),
-    Problem("start_up", "inertia with viscosity", start_up_errors, (8, 16, 32), 2.0, 1e-3),
+    Problem("start_up", terms.INERTIA, start_up_errors, (8, 16, 32), 2.0, 1e-3),
     Problem(
         "stopping",
-        "yield, static-flowing interface",
+        terms.YIELD_IN_TIME,
         stopping_errors(False),
         (8, 16, 32),
         None,
@@ -338,7 +328,7 @@ PROBLEMS = (
     ),
     Problem(
         "stopping_walls",
-        "the same with lateral walls",
+        terms.LATERAL_WALLS,
         stopping_errors(True),
         (8, 16, 32),
         None,
@@ -347,12 +337,12 @@ PROBLEMS = (
     ),
     Problem(
         "stopping_viscous",
-        "yield with viscosity, static-flowing interface",
+        terms.YIELD_IN_TIME,
         stopping_viscous_errors,
         (8, 16, 32),
         None,
         5e-3,
         REGULARISATION,
     ),
-    Problem("creep", "regularisation", creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
+    Problem("creep", terms.REGULARISATION, creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
 )
