@@ -2,8 +2,10 @@
 
 import difflib
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
+from fvcollapse.console import deferred_interrupt
 from fvcollapse.errors import InputError, refuse_bad_target
 from fvcollapse.files import write_atomic
 
@@ -51,9 +53,10 @@ def verify(names=None, json_path=None, markdown_path=None):
     rows = []
     print(HEADING)
     try:
-        for problem in chosen:
-            rows.append(solve(problem))
-            print(table_line(rows[-1]), flush=True)
+        with heeded_between_steps():
+            for problem in chosen:
+                rows.append(solve(problem))
+                print(table_line(rows[-1]), flush=True)
     except KeyboardInterrupt:
         print(f"stopped after {len(rows)} of {len(chosen)} problems", file=sys.stderr)
         raise
@@ -65,6 +68,19 @@ def verify(names=None, json_path=None, markdown_path=None):
             if path is not None and rows:
                 write_atomic(Path(path), text.encode())
     return rows
+
+
+@contextmanager
+def heeded_between_steps():
+    """Let Ctrl-C wait for the end of a time step of whatever flow is running."""
+    from fvcollapse.verification.flows import INTERRUPTED
+
+    with deferred_interrupt() as interrupted:
+        token = INTERRUPTED.set(interrupted)
+        try:
+            yield
+        finally:
+            INTERRUPTED.reset(token)
 
 
 def named(name, problems):

@@ -8,7 +8,7 @@ from fvcollapse.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
 from fvcollapse.verification import exact, terms
-from fvcollapse.verification.flows import surface_errors, transport
+from fvcollapse.verification.flows import run_until, surface_errors, transport
 from fvcollapse.verification.problem import Problem
 
 # -- at rest, surface at an angle to the grid --------------------------------------------------
@@ -24,9 +24,7 @@ def tilted_box_errors(cells):
             "gate.speed": 0.0,
         }
     )
-    simulation = Simulation(case)
-    while simulation.state.time < 0.02:
-        simulation.advance(0.02)
+    simulation = run_until(Simulation(case), 0.02)
     pressure, expected = bed_pressures(simulation)
     return np.append(pressure / expected - 1.0, simulation.max_speed())
 

@@ -1,6 +1,7 @@
 """Every verification problem: on its first three grids, and on all of them with `-m slow`."""
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
@@ -91,7 +92,7 @@ def test_interrupted_table_keeps_what_is_solved(tmp_path, monkeypatch, capsys):
 
     def interrupted(which):
         if which.name == "block":
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)  # waits for the end of the first step
         return solved(which, (4, 8))
 
     monkeypatch.setattr(problem, "solve", interrupted)
