@@ -2,15 +2,19 @@
 
 from fvcollapse.verification import (
     problems_box,
+    problems_chutes,
     problems_collapse,
     problems_growth,
     problems_manufactured,
+    problems_motion,
+    problems_steady,
     problems_surface,
-    problems_uniform,
 )
 
 GROUPS = (
-    problems_uniform,
+    problems_steady,
+    problems_motion,
+    problems_chutes,
     problems_box,
     problems_manufactured,
     problems_surface,

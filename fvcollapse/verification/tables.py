@@ -6,7 +6,7 @@ import math
 from fvcollapse.verification.terms import TERMS
 
 HEADING = (
-    f"{'problem':32s} {'grids':>16s} {'L1':>9s} {'L2':>9s} {'Linf':>9s} "
+    f"{'problem':39s} {'grids':>16s} {'L1':>9s} {'L2':>9s} {'Linf':>9s} "
     f"{'order':>6s} {'expected':>9s} "
     f"{'tolerance':>10s}"
 )
@@ -24,7 +24,7 @@ def table_line(row):
     observed, expected = ("-" if order is None else f"{order:.2f}" for order in orders)
     verdict = "pass" if row["passed"] else "FAIL"
     ends = f"{observed:>6s} {expected:>9s} {row['tolerance']:10.1e} {verdict}"
-    return f"{row['name']:32s} {grids:>16s} {norms} {ends}"
+    return f"{row['name']:39s} {grids:>16s} {norms} {ends}"
 
 
 def markdown_table(rows, problems):

@@ -8,6 +8,7 @@ from fvcollapse.case import GRAVITY
 from fvcollapse.step.ill_posedness import criterion, is_ill_posed
 from fvcollapse.verification import exact
 from fvcollapse.verification.boxes import box_case, channel_case
+from fvcollapse.verification.exact import regularised
 from fvcollapse.verification.flows import layer_case
 from fvcollapse.verification.problems_collapse import column_case
 
@@ -98,6 +99,60 @@ def test_couette_start_up_ends_in_the_straight_profile():
     np.testing.assert_allclose(
         exact.couette_start_up(case, z, 100.0, 2.0), 2.0 * (1.0 - z / 0.1), atol=1e-12
     )
+
+
+CHUTES = [
+    (exact.chute_drucker_prager, {"rheology__law": "drucker_prager", "rheology__viscosity": 20.0}),
+    (exact.chute_mu_I, {}),
+]
+
+
+def chute_case(rate_min, **changes):
+    return layer_case(
+        0.015,
+        0.08,
+        geometry__slope_angle_deg=26.0,
+        geometry__channel_width=0.1,
+        effects__lateral_friction={},
+        rheology__mu_1=0.38,
+        rheology__mu_2=0.64,
+        numerics__shear_rate_min=rate_min,
+        **changes,
+    )
+
+
+@pytest.mark.parametrize(("rigid", "changes"), CHUTES)
+def test_regularised_chute_tends_to_the_rigid_plastic_one(rigid, changes):
+    z = np.linspace(0.0, 0.08, 9)
+    gaps = []
+    for rate_min in (1e-2, 1e-4):
+        case = chute_case(rate_min, **changes)
+        expected = rigid(case, z)
+        gaps.append(np.abs(exact.chute_regularised(case)(z) - expected).max() / expected[-1])
+    assert gaps[1] < 0.1 * gaps[0] < 0.01
+
+
+@pytest.mark.parametrize(("rigid", "changes"), CHUTES)
+def test_regularised_chute_satisfies_its_balance(rigid, changes):
+    """Stress from the shear rate by differences, against weight less wall friction above each depth."""
+    case = chute_case(1e-2, **changes)
+    z = np.linspace(0.0, 0.08, 16001)
+    u = exact.chute_regularised(case)(z)
+    weight = case.rheology.density_bulk * exact.gravity_normal(case)
+    middle, pressure = 0.5 * (u[1:] + u[:-1]), weight * (0.08 - 0.5 * (z[1:] + z[:-1]))
+    slip_min = 0.1 * 1e-2 * 0.08
+    force = weight * exact.slope_ratio(case) - 2.0 * exact.wall_ratio(
+        case
+    ) * pressure * middle / np.hypot(middle, slip_min)
+    carried = z[1] * (np.cumsum(force[::-1])[::-1] - 0.5 * force)
+    chosen = slice(200, -200, 400)
+    rates = (np.diff(u) / z[1])[chosen]
+    tau = [
+        regularised.shear_stress(case, rate, p)
+        for rate, p in zip(rates, pressure[chosen], strict=True)
+    ]
+    np.testing.assert_allclose(tau, carried[chosen], rtol=1e-4)
+    assert u[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_viscous_stop_tends_to_the_inviscid_one():

@@ -40,6 +40,7 @@ from fvcollapse.verification.exact.manufactured import (
     manufactured_gyres,
     manufactured_surface,
 )
+from fvcollapse.verification.exact.regularised import chute_regularised
 from fvcollapse.verification.exact.steady import (
     bagnold,
     creep,

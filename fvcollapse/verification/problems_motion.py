@@ -1,64 +1,16 @@
-"""Uniform flows of a layer: steady, starting, sliding and stopping."""
+"""Uniform flows in time: starting, sliding on the bed and between walls, stopping, creeping."""
 
 import math
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
 from fvcollapse.verification import exact, terms
-from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady
+from fvcollapse.verification.flows import layer, layer_case, run_until
 from fvcollapse.verification.problem import Problem
+from fvcollapse.verification.problems_steady import DEPTH, SLOPE
 
-DEPTH = 0.02  # m, of the layers, unless said otherwise
 REGULARISATION = "regularisation: shear_rate_min and the slip speed of the walls"
-
-
-# -- steady uniform flow -----------------------------------------------------------------------
-
-SLOPE = {"geometry__slope_angle_deg": 24.0, "boundary__mu_bed": math.inf}
-GLASS = {"rheology__mu_1": 0.38, "rheology__mu_2": 0.64}
 WALLS = {"geometry__channel_width": 0.10, "effects__lateral_friction": {}}
-
-
-def steady_errors(solution, depth=DEPTH, **changes):
-    """Errors of a steady layer on a bed that holds it, as a function of the cells per depth."""
-
-    def errors(cells):
-        case = layer_case(depth / cells, depth, **changes)
-        flow = layer(case, lambda z: solution(case, z), dt=10.0)
-        z, u = run_until_steady(flow).profile()
-        return (u - solution(case, z)) / solution(case, np.array([depth]))[0]
-
-    return errors
-
-
-def bagnold_errors(slope_angle_deg):
-    """Bagnold flow of glass beads."""
-    return steady_errors(
-        exact.bagnold, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": slope_angle_deg}
-    )
-
-
-def bagnold_gerris_errors(cells):
-    """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors."""
-    unit = math.sqrt(GRAVITY)
-    case = layer_case(
-        1.0 / cells,
-        1.0,
-        geometry__slope_angle_deg=math.degrees(0.43),
-        boundary__mu_bed=math.inf,
-        rheology__mu_1=0.38,
-        rheology__mu_2=0.64,
-        rheology__I_0=0.3,
-        rheology__grain_diameter=0.04,
-        rheology__density_grain=1550.0,
-    )
-    flow = layer(case, lambda z: exact.bagnold(case, z), dt=100.0)
-    z, u = run_until_steady(flow).profile()
-    return (u - exact.bagnold(case, z)) / unit
-
-
-# -- sliding and stopping ----------------------------------------------------------------------
 
 
 def imposed_bed_stress_errors(cells):
@@ -193,101 +145,6 @@ def creep_errors(cells):
 
 
 PROBLEMS = (
-    Problem("bagnold_22deg", terms.MU_I, bagnold_errors(22.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_24deg", terms.MU_I, bagnold_errors(24.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_28deg", terms.MU_I, bagnold_errors(28.0), (8, 16, 32, 64), 1.8, 1e-3),
-    Problem("bagnold_gerris", terms.MU_I, bagnold_gerris_errors, (8, 16, 32, 64), 1.8, 8e-4),
-    Problem(
-        "incline_drucker_prager",
-        terms.DRUCKER_PRAGER,
-        steady_errors(
-            exact.incline_drucker_prager,
-            **SLOPE,
-            rheology__law="drucker_prager",
-            rheology__mu_1=0.38,
-            rheology__viscosity=1.0,
-        ),
-        (8, 16, 32, 64),
-        2.0,
-        1e-4,
-    ),
-    Problem(
-        "film_newtonian",
-        terms.VISCOUS,
-        steady_errors(
-            exact.film_newtonian, **SLOPE, rheology__law="newtonian", rheology__viscosity=1.0
-        ),
-        (8, 16, 32, 64),
-        2.0,
-        1e-4,
-    ),
-    Problem(
-        "film_bingham",
-        terms.YIELD_STRESS,
-        steady_errors(
-            exact.film_bingham,
-            **SLOPE,
-            rheology__law="bingham",
-            rheology__viscosity=1.0,
-            rheology__cohesion=50.0,
-        ),
-        (8, 16, 32, 64),
-        2.0,
-        5e-4,
-    ),
-    Problem(
-        "chute_drucker_prager_shallow",
-        terms.LATERAL_WALLS,
-        steady_errors(
-            exact.chute_drucker_prager,
-            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
-            **WALLS,
-            rheology__law="drucker_prager",
-            rheology__mu_1=0.38,
-            rheology__viscosity=20.0,
-        ),
-        (8, 16, 32, 64),
-        1.8,
-        1e-3,
-    ),
-    Problem(
-        "chute_mu_I_shallow",
-        terms.LATERAL_WALLS,
-        steady_errors(
-            exact.chute_mu_I, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
-        ),
-        (8, 16, 32, 64),
-        1.8,
-        1e-3,
-    ),
-    Problem(
-        "chute_drucker_prager_deep",
-        terms.LATERAL_WALLS,
-        steady_errors(
-            exact.chute_drucker_prager,
-            0.06,
-            **{**SLOPE, "geometry__slope_angle_deg": 25.0},
-            **WALLS,
-            rheology__law="drucker_prager",
-            rheology__mu_1=0.38,
-            rheology__viscosity=20.0,
-        ),
-        (8, 16, 32),
-        None,
-        1e-2,
-        REGULARISATION,
-    ),
-    Problem(
-        "chute_mu_I_deep",
-        terms.LATERAL_WALLS,
-        steady_errors(
-            exact.chute_mu_I, 0.08, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": 26.0}, **WALLS
-        ),
-        (8, 16, 32),
-        None,
-        1e-2,
-        REGULARISATION,
-    ),
     Problem(
         "imposed_bed_stress",
         terms.BED,
