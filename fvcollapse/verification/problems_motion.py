@@ -32,19 +32,24 @@ def imposed_bed_stress_errors(cells):
     return (u - profile - 2.0) / (2.0 + mean)
 
 
-def slip_errors(cells):
-    """Gain of mean velocity of a sheared mu(I) layer that slides, mu_b = mu_1 < tan(slope)."""
-    case = layer_case(
-        DEPTH / cells,
-        DEPTH,
-        geometry__slope_angle_deg=22.0,
-        rheology__mu_1=0.30,
-        boundary__mu_bed=0.30,
-    )
-    flow = layer(case, lambda z: 1.0 + 20.0 * z, dt=1e-3, slip=1.0)
-    before = flow.mean_velocity()
-    gained = run_until(flow, 0.05).mean_velocity() - before
-    return gained / (0.05 * exact.block_acceleration(case)) - 1.0
+def slip_errors(**law):
+    """Gain of mean velocity of a sheared layer that slides, mu_b = mu_1 < tan(slope)."""
+
+    def errors(cells):
+        case = layer_case(
+            DEPTH / cells,
+            DEPTH,
+            geometry__slope_angle_deg=22.0,
+            rheology__mu_1=0.30,
+            boundary__mu_bed=0.30,
+            **law,
+        )
+        flow = layer(case, lambda z: 1.0 + 20.0 * z, dt=1e-3, slip=1.0)
+        before = flow.mean_velocity()
+        gained = run_until(flow, 0.05).mean_velocity() - before
+        return gained / (0.05 * exact.block_acceleration(case)) - 1.0
+
+    return errors
 
 
 def block_errors(walls):
@@ -85,47 +90,84 @@ def start_up_errors(cells):
     return (u - exact.incline_start_up(case, z, 0.1)) / exact.incline_drucker_prager(case, DEPTH)
 
 
-def stopping_errors(walls):
-    """Inviscid Drucker-Prager layer below yield, half-way to its stop."""
+# -- stopping from the bed upwards -------------------------------------------------------------
 
-    def errors(cells):
-        case = layer_case(
+START = 0.2  # m/s, velocity of the surface
+INTERFACE = 0.02  # velocity at which the static-flowing interface is compared, in units of START
+
+
+class Stopping:
+    """A Drucker-Prager layer below yield that stops from the bed upwards.
+
+    Parameters
+    ----------
+    cells : int
+        Per depth.
+    viscosity : float
+        Pa s; without it the velocity is linear at the start, else flat at the surface.
+    walls : bool
+        With lateral walls.
+    """
+
+    def __init__(self, cells, viscosity, walls):
+        self.case = layer_case(
             DEPTH / cells,
             DEPTH,
             rheology__law="drucker_prager",
-            rheology__viscosity=0.0,
+            rheology__viscosity=viscosity,
             boundary__mu_bed=math.inf,
             numerics__max_sweeps=100,
             numerics__tolerance=1e-6,
             **(WALLS if walls else {}),
         )
-        loss = exact.gravity_normal(case) * (0.48 - exact.slope_ratio(case))
-        stop = 0.2 / loss
-        flow = layer(case, lambda z: 0.2 * z / DEPTH, dt=stop / 100)
-        z, u = run_until(flow, 0.5 * stop).profile()
-        return (u - exact.stopping_inviscid(case, 0.2 * z / DEPTH, z, 0.5 * stop)) / 0.2
+        loss = exact.gravity_normal(self.case) * (0.48 - exact.slope_ratio(self.case))
+        self.stop = START / loss  # of the surface, without walls and viscosity
+        self.viscous = viscosity > 0.0
+        steps = 400 if self.viscous else 100  # of first order, but exact without viscosity
+        self.flow = layer(self.case, self.start, dt=self.stop / steps)
 
-    return errors
+    def start(self, z):
+        """Velocity at the start, m/s."""
+        part = z / DEPTH
+        return START * ((2.0 - part) * part if self.viscous else part)
+
+    def exact(self, z, time):
+        """Exact velocity, m/s."""
+        if self.viscous:
+            return exact.stopping_viscous(self.case, self.start, z, time)
+        return exact.stopping_inviscid(self.case, self.start(z), z, time)
+
+    def profile_errors(self):
+        """Of the velocity half-way to the stop, relative to the surface at the start."""
+        time = 0.5 * self.stop
+        z, u = run_until(self.flow, time).profile()
+        return (u - self.exact(z, time)) / START
+
+    def interface_errors(self):
+        """Of the height of the interface at three times, relative to the depth."""
+        fine = np.linspace(0.0, DEPTH, 1601)
+        found = []
+        for time in (0.2 * self.stop, 0.4 * self.stop, 0.6 * self.stop):
+            z, u = run_until(self.flow, time).profile()
+            expected = np.interp(INTERFACE * START, self.exact(fine, time), fine)
+            found.append(np.interp(INTERFACE * START, u, z) - expected)
+        return np.array(found) / DEPTH
 
 
-def stopping_viscous_errors(cells):
-    """Viscous Drucker-Prager layer below yield while its resting part grows; relative to the start."""
-    case = layer_case(
-        DEPTH / cells,
-        DEPTH,
-        rheology__law="drucker_prager",
-        rheology__viscosity=0.4,
-        boundary__mu_bed=math.inf,
-        numerics__max_sweeps=100,
-        numerics__tolerance=1e-6,
+def stopping_problems(name, viscosity, walls, term, profile, interface):
+    """Velocity and interface of a stopping layer, with their tolerances."""
+    grids, source = (8, 16, 32), REGULARISATION
+
+    def profile_errors(cells):
+        return Stopping(cells, viscosity, walls).profile_errors()
+
+    def interface_errors(cells):
+        return Stopping(cells, viscosity, walls).interface_errors()
+
+    return (
+        Problem(name, term, profile_errors, grids, None, profile, source),
+        Problem(f"{name}_interface", term, interface_errors, grids, None, interface, source),
     )
-
-    def start(z):
-        return 0.2 * (2.0 - z / DEPTH) * z / DEPTH
-
-    flow = layer(case, start, dt=0.1 / 100)
-    z, u = run_until(flow, 0.1).profile()
-    return (u - exact.stopping_viscous(case, start, z, 0.1)) / 0.2
 
 
 def creep_errors(cells):
@@ -155,9 +197,12 @@ PROBLEMS = (
         "tolerance of the solver",
     ),
     Problem(
-        "bed_slip",
+        "bed_slip", terms.BED, slip_errors(), (4, 8, 16), None, 1e-5, "tolerance of the solver"
+    ),
+    Problem(
+        "bed_slip_drucker_prager",
         terms.BED,
-        slip_errors,
+        slip_errors(rheology__law="drucker_prager", rheology__viscosity=1.0),
         (4, 8, 16),
         None,
         1e-5,
@@ -174,32 +219,9 @@ PROBLEMS = (
         "creep",
     ),
     Problem("start_up", terms.INERTIA, start_up_errors, (8, 16, 32), 2.0, 1e-3),
-    Problem(
-        "stopping",
-        terms.YIELD_IN_TIME,
-        stopping_errors(False),
-        (8, 16, 32),
-        None,
-        1e-2,
-        REGULARISATION,
-    ),
-    Problem(
-        "stopping_walls",
-        terms.LATERAL_WALLS,
-        stopping_errors(True),
-        (8, 16, 32),
-        None,
-        1e-2,
-        REGULARISATION,
-    ),
-    Problem(
-        "stopping_viscous",
-        terms.YIELD_IN_TIME,
-        stopping_viscous_errors,
-        (8, 16, 32),
-        None,
-        5e-3,
-        REGULARISATION,
-    ),
+    *stopping_problems("stopping", 0.0, False, terms.YIELD_IN_TIME, 1e-2, 1e-2),
+    *stopping_problems("stopping_walls", 0.0, True, terms.LATERAL_WALLS, 1e-2, 1e-2),
+    *stopping_problems("stopping_viscous", 0.4, False, terms.YIELD_IN_TIME, 5e-3, 1e-2),
+    *stopping_problems("stopping_viscous_walls", 0.4, True, terms.LATERAL_WALLS, 5e-3, 1e-2),
     Problem("creep", terms.REGULARISATION, creep_errors, (8, 16, 32), None, 0.02, "formula 3.8"),
 )

@@ -1,6 +1,7 @@
 """The free surface: carried by a given velocity, and at rest at an angle to the grid."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -55,16 +56,29 @@ def bed_pressures(simulation):
 # -- surfaces ----------------------------------------------------------------------------------
 
 
-def surface_problem(surface, velocity, duration, expected=None):
-    """Area error and symmetric difference once the surface is back (or at `expected`)."""
+def surface_problems(name, surface, velocity, duration, grids, expected=None, **judged):
+    """Two problems: symmetric difference and area error once the surface is back (or at `expected`).
 
-    def errors(cells):
+    `judged` holds for each, `difference` and `area`: expected order, tolerance and its source.
+    """
+
+    @cache
+    def both(cells):
         phi = transport(surface, velocity, duration, cells)
         nodes = np.arange(cells + 1) / cells
         x, z = np.meshgrid(nodes, nodes, indexing="ij")
-        return np.array(surface_errors(phi, (expected or surface)(x, z)))
+        return surface_errors(phi, (expected or surface)(x, z))
 
-    return errors
+    def area(cells):
+        return both(cells)[0]
+
+    def difference(cells):
+        return both(cells)[1]
+
+    return (
+        Problem(name, terms.SURFACE, difference, grids, *judged["difference"]),
+        Problem(f"{name}_area", terms.SURFACE, area, grids, *judged["area"]),
+    )
 
 
 def disc_at(x_centre, z_centre):
@@ -77,6 +91,7 @@ def uniform(x, z, time):
     return 0.4 + 0.0 * x, 0.3 + 0.0 * x
 
 
+CORNERS, FILAMENTS = "corners of the slot are rounded", "filaments thinner than a cell are lost"
 UPPER_DISC = disc_at(0.5, 0.75)
 PROBLEMS = (
     Problem(
@@ -88,38 +103,41 @@ PROBLEMS = (
         1e-6,
         "round-off",
     ),
-    Problem(
+    *surface_problems(
         "disc",
-        terms.SURFACE,
-        surface_problem(disc_at(0.3, 0.3), uniform, 1.0, disc_at(0.7, 0.6)),
+        disc_at(0.3, 0.3),
+        uniform,
+        1.0,
         (32, 64, 128),
-        1.8,
-        1e-3,
+        expected=disc_at(0.7, 0.6),
+        difference=(1.8, 1e-3),
+        area=(1.8, 1e-3),
     ),
-    Problem(
+    *surface_problems(
         "zalesak",
-        terms.SURFACE,
-        surface_problem(exact.slotted_disc, exact.rotation, 1.0),
+        exact.slotted_disc,
+        exact.rotation,
+        1.0,
         (50, 100, 200),
-        None,
-        0.05,
-        "corners of the slot are rounded",
+        difference=(None, 0.05, CORNERS),
+        area=(None, 0.05, CORNERS),
     ),
-    Problem(
+    *surface_problems(
         "vortex_2s",
-        terms.SURFACE,
-        surface_problem(UPPER_DISC, exact.single_vortex(2.0), 2.0),
+        UPPER_DISC,
+        exact.single_vortex(2.0),
+        2.0,
         (32, 64, 128),
-        1.8,
-        1e-2,
+        difference=(1.8, 1e-2),
+        area=(1.8, 1e-2),
     ),
-    Problem(
+    *surface_problems(
         "vortex_8s",
-        terms.SURFACE,
-        surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0),
+        UPPER_DISC,
+        exact.single_vortex(8.0),
+        8.0,
         (64, 128, 192),
-        None,
-        0.2,
-        "filaments thinner than a cell are lost",
+        difference=(None, 0.2, FILAMENTS),
+        area=(None, 0.2, FILAMENTS),
     ),
 )

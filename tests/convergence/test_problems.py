@@ -12,7 +12,16 @@ from fvcollapse.verification import problem, problem_names, verify
 from fvcollapse.verification.problems import PROBLEMS
 from fvcollapse.verification.terms import TERMS
 
-SLOW = {"zalesak", "vortex_8s", "cavity", "cavity_ghia", "growth_ill_posed", "growth_well_posed"}
+SLOW = {
+    "zalesak",
+    "zalesak_area",
+    "vortex_8s",
+    "vortex_8s_area",
+    "cavity",
+    "cavity_ghia",
+    "growth_ill_posed",
+    "growth_well_posed",
+}
 
 
 def on_coarse_grids(whole):

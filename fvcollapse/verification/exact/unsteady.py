@@ -43,9 +43,10 @@ def stopping_inviscid(case, u_0, z, time):
 def stopping_viscous(case, u_0, z, time, cells=400, steps=800):
     """Drucker-Prager layer below yield that stops from the bed upwards; u_0(z) rising, flat at H.
 
-    Where the layer moves tau = mu_1 p + eta u_z, so u_t = -S + nu u_zz with S = g cos a (mu_1 - T),
-    u_z(H) = 0; it ends at a height b(t) where u = u_z = 0, and below it rests: the obstacle problem
-    min(u_t + S - nu u_zz, u) = 0. Lusso, Bouchut, Ern & Mangeney (2017), Appl. Sci. 7, 386. There is
+    Where the layer moves tau = mu_1 p + eta u_z, so u_t = -S + nu u_zz with S = g cos a (mu_1 - T + 2
+    (mu_w/w) y), u_z(H) = 0; it ends at a height b(t) where u = u_z = 0, and below it rests: the
+    obstacle problem min(u_t + S - nu u_zz, u) = 0. Lusso, Bouchut, Ern & Mangeney (2017), Appl. Sci.
+    7, 386, without lateral walls, whose friction is one more force that opposes u. There is
     no closed form: finite differences on `cells` cells, in `steps` implicit steps (extrapolated from
     first order in time), the resting cells being found anew in every step; converged to 2e-6 u_0.
     """
@@ -57,18 +58,22 @@ def stopping_viscous(case, u_0, z, time, cells=400, steps=800):
 
 def _obstacle(case, u_0, time, cells, steps):
     law, h, dt = case.rheology, case.geometry.height_0 / cells, time / steps
-    loss = gravity_normal(case) * (law.mu_1 - slope_ratio(case)) * dt
+    centres = (np.arange(cells) + 0.5) * h
+    y = case.geometry.height_0 - centres
+    rate = law.mu_1 - slope_ratio(case) + 2 * wall_ratio(case) * y
+    loss = gravity_normal(case) * rate * dt
     diffusion = law.viscosity / law.density_bulk * dt / h**2
     band = np.zeros((3, cells))
     band[0, 1:] = band[2, :-1] = -diffusion
     band[1] = 1.0 + 2.0 * diffusion
     band[1, 0] += diffusion  # the bed is half a cell below the first centre
     band[1, -1] -= diffusion
-    u = u_0((np.arange(cells) + 0.5) * h)
+    u = u_0(centres)
     resting = 0
     for _ in range(steps):
         while resting < cells:
-            solution = solve_banded((1, 1), _above(band, resting, diffusion), u[resting:] - loss)
+            right = (u - loss)[resting:]
+            solution = solve_banded((1, 1), _above(band, resting, diffusion), right)
             if solution[0] >= 0.0:
                 break
             resting += 1
