@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from fvcollapse.case import GRAVITY
 from fvcollapse.verification import exact, terms
 from fvcollapse.verification.boxes import Box, box_case, channel_case
-from fvcollapse.verification.flows import run_until
+from fvcollapse.verification.flows import run_until, run_until_steady
 from fvcollapse.verification.problem import Problem
 
 DENSITY = 1000.0  # kg/m3
@@ -88,6 +88,27 @@ def poiseuille_errors(cells):
     run_until(box, 0.5 * 0.1**2 / nu)
     inside = box.inside()[0]
     return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside] / exact.poiseuille(case, 0.05)
+
+
+def poiseuille_bingham_errors(cells):
+    """One half of a Bingham Poiseuille flow, whose plane of symmetry is a lid that lets slip."""
+    case = channel_case(
+        cells,
+        0.1,
+        rheology__law="bingham",
+        rheology__viscosity=10.0,
+        rheology__cohesion=100.0,
+        geometry__slope_angle_deg=20.0,
+        boundary__mu_bed=math.inf,
+    )
+
+    def velocity(x, z):
+        return exact.film_bingham(case, z), 0.0 * x
+
+    weight = DENSITY * exact.gravity_normal(case)
+    box = run_until_steady(Box(case, 1.0, velocity, lambda x, z: weight * (0.1 - z)))
+    inside = box.inside()[0]
+    return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside] / exact.film_bingham(case, 0.1)
 
 
 def couette_errors(cells):
@@ -188,6 +209,14 @@ PROBLEMS = (
         (8, 16, 32),
         2.0,
         1.2e-3,
+    ),
+    Problem(
+        "poiseuille_bingham",
+        terms.YIELD_STRESS,
+        poiseuille_bingham_errors,
+        (8, 16, 32),
+        2.0,
+        2e-3,
     ),
     Problem("couette_start_up", terms.INERTIA, couette_errors, (8, 16, 32), 2.0, 1e-3),
     Problem(

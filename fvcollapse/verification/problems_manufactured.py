@@ -10,10 +10,15 @@ from fvcollapse.verification.flows import run_until
 from fvcollapse.verification.problem import Problem
 from fvcollapse.verification.problems_box import pressure_errors, velocity_errors
 
+# 2 mu_w p / (rho w) = 7 m/s2 at 3000 Pa
+RUBBING = {"geometry__channel_width": 0.5, "effects__lateral_friction": {"mu_wall": 0.6}}
+
 
 @lru_cache
-def manufactured(flow, cells, surface=None):
+def manufactured(flow, cells, surface=None, walls=False):
     """A manufactured flow of a Drucker-Prager fluid, run until the discrete one is steady.
+
+    With `walls` lateral friction brakes it, in every direction, about as much as gravity would.
 
     Returns
     -------
@@ -26,6 +31,7 @@ def manufactured(flow, cells, surface=None):
         rheology__mu_1=0.3,
         rheology__viscosity=200.0,
         numerics__shear_rate_min=1.0,
+        **(RUBBING if walls else {}),
     )
     box = Box(
         case,
@@ -96,6 +102,14 @@ def gyres(cells, refined):
 
 
 PROBLEMS = (
+    Problem(
+        "manufactured_lateral_friction",
+        terms.LATERAL_WALLS,
+        lambda cells: manufactured(exact.manufactured_box, cells, walls=True)[0],
+        (8, 16, 32, 48),
+        2.0,
+        2e-2,
+    ),
     Problem(
         "manufactured_velocity",
         terms.VISCOUS,

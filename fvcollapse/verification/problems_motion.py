@@ -1,6 +1,7 @@
 """Uniform flows in time: starting, sliding on the bed and between walls, stopping, creeping."""
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -75,6 +76,29 @@ def block_errors(walls):
     return errors
 
 
+def split_errors(cells):
+    """A rigid layer braked by the walls alone: implicit friction less the exact split form, to beyond the stop."""
+    speeds = []
+    for scheme in ("implicit", "split"):
+        case = layer_case(
+            DEPTH / cells,
+            DEPTH,
+            geometry__slope_angle_deg=0.0,
+            geometry__channel_width=0.05,
+            boundary__mu_bed=0.0,
+            rheology__law="bingham",
+            rheology__cohesion=1e5,
+            rheology__viscosity=1e4,
+            effects__lateral_friction={"scheme": scheme},
+        )
+        stop = 0.2 / (exact.wall_ratio(case) * DEPTH * exact.gravity_normal(case))
+        flow = layer(case, lambda z: 0.2 + 0.0 * z, dt=stop / 50, slip=0.2)
+        speeds.append(
+            [run_until(flow, part * stop).mean_velocity() for part in (0.3, 0.6, 0.9, 1.2)]
+        )
+    return np.subtract(*speeds) / 0.2
+
+
 def start_up_errors(cells):
     """Drucker-Prager layer from rest at t = 0.1 s; dt proportional to the cell size squared."""
     case = layer_case(
@@ -123,50 +147,65 @@ class Stopping:
         loss = exact.gravity_normal(self.case) * (0.48 - exact.slope_ratio(self.case))
         self.stop = START / loss  # of the surface, without walls and viscosity
         self.viscous = viscosity > 0.0
-        steps = 400 if self.viscous else 100  # of first order, but exact without viscosity
-        self.flow = layer(self.case, self.start, dt=self.stop / steps)
 
     def start(self, z):
         """Velocity at the start, m/s."""
         part = z / DEPTH
         return START * ((2.0 - part) * part if self.viscous else part)
 
-    def exact(self, z, time):
-        """Exact velocity, m/s."""
+    def computed(self, parts):
+        """(z, u) of the solver at parts of the time to the stop, m and m/s."""
+        steps = 400 if self.viscous else 100  # of first order, but exact without viscosity
+        flow = layer(self.case, self.start, dt=self.stop / steps)
+        return [run_until(flow, part * self.stop).profile() for part in parts]
+
+    def exact(self, z, part):
+        """Exact velocity at one of them, m/s."""
+        time = part * self.stop
         if self.viscous:
             return exact.stopping_viscous(self.case, self.start, z, time)
         return exact.stopping_inviscid(self.case, self.start(z), z, time)
 
-    def profile_errors(self):
-        """Of the velocity half-way to the stop, relative to the surface at the start."""
-        time = 0.5 * self.stop
-        z, u = run_until(self.flow, time).profile()
-        return (u - self.exact(z, time)) / START
 
-    def interface_errors(self):
-        """Of the height of the interface at three times, relative to the depth."""
-        fine = np.linspace(0.0, DEPTH, 1601)
-        found = []
-        for time in (0.2 * self.stop, 0.4 * self.stop, 0.6 * self.stop):
-            z, u = run_until(self.flow, time).profile()
-            expected = np.interp(INTERFACE * START, self.exact(fine, time), fine)
-            found.append(np.interp(INTERFACE * START, u, z) - expected)
-        return np.array(found) / DEPTH
+@cache
+def stopping_exactly(viscosity, walls, part):
+    """(z, u) of the exact solution on points of its own: it does not depend on the grid."""
+    z = np.linspace(0.0, DEPTH, 1601)
+    return z, Stopping(8, viscosity, walls).exact(z, part)
+
+
+def stopping_profile_errors(viscosity, walls):
+    """Velocity half-way to the stop, relative to the surface at the start."""
+
+    def errors(cells):
+        (z, u) = Stopping(cells, viscosity, walls).computed([0.5])[0]
+        return (u - np.interp(z, *stopping_exactly(viscosity, walls, 0.5))) / START
+
+    return errors
+
+
+def stopping_interface_errors(viscosity, walls):
+    """Height of the static-flowing interface at three times, relative to the depth."""
+    parts, level = (0.2, 0.4, 0.6), INTERFACE * START
+
+    def errors(cells):
+        found = Stopping(cells, viscosity, walls).computed(parts)
+        exactly = [stopping_exactly(viscosity, walls, part) for part in parts]
+        heights = [[np.interp(level, u, z) for z, u in profiles] for profiles in (found, exactly)]
+        return np.subtract(*heights) / DEPTH
+
+    return errors
 
 
 def stopping_problems(name, viscosity, walls, term, profile, interface):
     """Velocity and interface of a stopping layer, with their tolerances."""
-    grids, source = (8, 16, 32), REGULARISATION
-
-    def profile_errors(cells):
-        return Stopping(cells, viscosity, walls).profile_errors()
-
-    def interface_errors(cells):
-        return Stopping(cells, viscosity, walls).interface_errors()
-
+    problems = (
+        (name, stopping_profile_errors(viscosity, walls), profile),
+        (f"{name}_interface", stopping_interface_errors(viscosity, walls), interface),
+    )
     return (
-        Problem(name, term, profile_errors, grids, None, profile, source),
-        Problem(f"{name}_interface", term, interface_errors, grids, None, interface, source),
+        Problem(name, term, errors, (8, 16, 32), None, tolerance, REGULARISATION)
+        for name, errors, tolerance in problems
     )
 
 
@@ -217,6 +256,15 @@ PROBLEMS = (
         None,
         1e-3,
         "creep",
+    ),
+    Problem(
+        "lateral_friction_split",
+        terms.LATERAL_WALLS,
+        split_errors,
+        (4, 8, 16),
+        None,
+        1e-5,
+        "tolerance of the solver",
     ),
     Problem("start_up", terms.INERTIA, start_up_errors, (8, 16, 32), 2.0, 1e-3),
     *stopping_problems("stopping", 0.0, False, terms.YIELD_IN_TIME, 1e-2, 1e-2),

@@ -155,8 +155,16 @@ def test_regularised_chute_satisfies_its_balance(rigid, changes):
     assert u[0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_viscous_stop_tends_to_the_inviscid_one():
-    case = layer_case(0.005, 0.02, rheology__law="drucker_prager", rheology__viscosity=1e-6)
+@pytest.mark.parametrize("walls", [{}, {"effects__lateral_friction": {}}])
+def test_viscous_stop_tends_to_the_inviscid_one(walls):
+    case = layer_case(
+        0.005,
+        0.02,
+        geometry__channel_width=0.1,
+        rheology__law="drucker_prager",
+        rheology__viscosity=1e-6,
+        **walls,
+    )
     z = np.linspace(0.0, 0.02, 9)
 
     def start(z):
@@ -167,6 +175,21 @@ def test_viscous_stop_tends_to_the_inviscid_one():
         exact.stopping_inviscid(case, start(z), z, 0.1),
         atol=1e-3,
     )
+
+
+def test_walls_add_their_friction_to_the_manufactured_force():
+    """The difference between the forces with and without walls is 2 mu_w p/(rho w), against the velocity."""
+    x, z = np.array([0.3, 0.8]), np.array([0.4, 0.7])
+    law = {"rheology__law": "drucker_prager", "numerics__shear_rate_min": 1e-12}
+    walls = {"geometry__channel_width": 0.5, "effects__lateral_friction": {"mu_wall": 0.2}}
+    flow = exact.manufactured_box
+    free, braked = (
+        np.array(exact.manufactured_force(box_case(8, **law, **more), flow, x, z, 0.0))
+        for more in ({}, walls)
+    )
+    u, w, p = flow(x, z)[:3]
+    expected = 2.0 * 0.2 / 0.5 * p / 1000.0 * np.array([u, w]) / np.hypot(u, w)
+    np.testing.assert_allclose(braked - free, expected, rtol=1e-6)
 
 
 def test_huppert_profile_holds_the_area_and_feeds_the_front():

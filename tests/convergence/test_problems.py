@@ -21,6 +21,8 @@ SLOW = {
     "cavity_ghia",
     "growth_ill_posed",
     "growth_well_posed",
+    "stopping_viscous_walls",
+    "stopping_viscous_walls_interface",
 }
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from fvcollapse.case import GRAVITY
+from fvcollapse.verification.exact.layer import wall_ratio
 
 
 def viscosity(case, shear_rate, pressure):
@@ -16,7 +17,10 @@ def viscosity(case, shear_rate, pressure):
 
 
 def manufactured_force(case, flow, x, z, time):
-    """Acceleration that makes `flow` a solution: u_t + div(u u + (p I - 2 eta D)/rho) - g.
+    """Acceleration that makes `flow` a solution: u_t + div(u u + (p I - 2 eta D)/rho) - g, and what the walls take.
+
+    Lateral walls, if the case has them, brake with (2 mu_w/w) p u/sqrt(|u|^2 + u_min^2)/rho, where
+    u_min = gd_min H/10 is the regularisation of the solver.
 
     Parameters
     ----------
@@ -43,9 +47,17 @@ def manufactured_force(case, flow, x, z, time):
     along, across = flux(x + 1j * step, z + 0j), flux(x + 0j, z + 1j * step)
     later = flow(x, z, time + 1j * step)
     slope = math.radians(case.geometry.slope_angle_deg)
+    u, w, p = flow(x, z, time)[:3]
+    slip_min = 0.1 * case.numerics.shear_rate_min * case.geometry.height_0
+    brake = 2.0 * wall_ratio(case) * p / np.sqrt(u**2 + w**2 + slip_min**2)
+    brake /= case.rheology.density_bulk
     return (
-        (later[0].imag + along[0].imag + across[1].imag) / step - GRAVITY * math.sin(slope),
-        (later[1].imag + along[1].imag + across[2].imag) / step + GRAVITY * math.cos(slope),
+        (later[0].imag + along[0].imag + across[1].imag) / step
+        - GRAVITY * math.sin(slope)
+        + brake * u,
+        (later[1].imag + along[1].imag + across[2].imag) / step
+        + GRAVITY * math.cos(slope)
+        + brake * w,
     )
 
 

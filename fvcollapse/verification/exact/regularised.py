@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from fvcollapse.verification.exact.layer import gravity_normal, slope_ratio, wall_ratio
 
-ACCURACY = 1e-9
+ACCURACY = 1e-8
 
 
 def shear_stress(case, shear_rate, pressure):

@@ -48,7 +48,7 @@ def film_newtonian(case, z):
 
 
 def film_bingham(case, z):
-    """Sheared below, a plug of thickness tau_y/(rho g sin a) on top: half a Poiseuille flow.
+    """Sheared below, a plug of thickness tau_y/(rho g sin a) on top: half a plane Poiseuille flow.
 
     eta du/dz = rho g sin a (H - z) - tau_y where that is positive; Bird, Dai & Yarusso (1983), Rev.
     Chem. Eng. 1.
