@@ -221,12 +221,18 @@ def add_keys(commands):
     parser = commands.add_parser(
         "keys", help="list the keys of a case file", description=keys.__doc__
     )
+    parser.add_argument(
+        "--experiment", action="store_true", help="those of experiment.toml instead"
+    )
     parser.set_defaults(command=keys)
 
 
 def keys(arguments):
     """Print every key of the case file with its default, unit, range and meaning."""
-    from fvcollapse.case import describe_keys
+    if arguments.experiment:
+        from fvcollapse.experiment import describe_keys
+    else:
+        from fvcollapse.case import describe_keys
 
     rows = [("key", "default", "unit", "meaning; allowed")]
     rows += [
