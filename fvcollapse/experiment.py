@@ -273,11 +273,19 @@ def read_settings(path):
     """The `Settings` in a file."""
     table = parse_toml(strip_truth(read_text(path, "TOML")), path)
     table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
+    settings = settings_from_table(table, path)
+    for refusal in rule_required(settings):
+        raise InputError(path, *refusal)
+    return settings
+
+
+def settings_from_table(table, path):
+    """The `Settings` in nested dictionaries; every key that is there is right, none is required."""
     try:
         settings = msgspec.convert(table, Settings)
     except msgspec.ValidationError as error:
         raise InputError(path, *refusal_of_type(table, Settings, str(error))) from None
-    for refusal in (*rule_finite(settings), *rule_required(settings), *rule_gate(settings)):
+    for refusal in (*rule_finite(settings), *rule_gate(settings)):
         raise InputError(path, *refusal)
     return settings
 

@@ -23,7 +23,7 @@ LAYERS = (
     "simulation",
     "observables files",
     "experiment",
-    "align",
+    "align digitised",
     "recorder",
     "checkpoint result xdmf console",
     "output",
