@@ -53,6 +53,7 @@ def command_line():
     add_plot(commands)
     add_verify(commands)
     add_converge(commands)
+    add_sweep(commands)
     add_import_curves(commands)
     add_keys(commands)
     return parser
@@ -216,6 +217,64 @@ def converge(arguments):
     for path in paths:
         print(path)
     return 0
+
+
+def add_workers(parser):
+    """Where many runs are made."""
+    parser.add_argument("--workers", metavar="N", type=int, default=1, help="processes; default 1")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers run the cases"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def add_sweep(commands):
+    """`sweep`: the product of variations of a case."""
+    parser = commands.add_parser(
+        "sweep", help="run a case at all combinations of values", description=sweep.__doc__
+    )
+    add_case(parser)
+    parser.add_argument(
+        "--vary",
+        dest="variations",
+        metavar="section.key=a,b,c",
+        action="append",
+        required=True,
+        help="values of one key; may be repeated",
+    )
+    add_workers(parser)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="one folder per point inside"
+    )
+    parser.set_defaults(command=sweep)
+
+
+def sweep(arguments):
+    """Run a case at all combinations of values; continue what is there; write sweep.csv."""
+    from fvcollapse.case import load_case
+
+    case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.sweep import TABLE, parse_variation, sweep, table
+
+    variations = {}
+    for text in arguments.variations:
+        key, values = parse_variation(text)
+        variations.setdefault(key, []).extend(values)
+    rows = sweep(
+        case,
+        variations,
+        arguments.out,
+        workers=arguments.workers,
+        scheduler=arguments.scheduler,
+        quiet=arguments.quiet,
+        source=str(arguments.case),
+    )
+    print(table(rows))
+    print(arguments.out / TABLE)
+    failed = [row for row in rows if row["status"] != "complete"]
+    for row in failed:
+        print(f"{row['point']}: {row['problem']}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def add_import_curves(commands):
