@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from functools import partial
 from pathlib import Path
 
 from fvcollapse.errors import InputError, NumericalError
@@ -60,3 +61,17 @@ def done(folder):
 
 def die_always():
     os.kill(os.getpid(), signal.SIGKILL)
+
+
+def run_with_many_checkpoints(case, folder):
+    """`run_member` with a checkpoint every 0.3 s; tells in which process it runs."""
+    from fvcollapse import members, output
+
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "processes").open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    members.run_case = partial(output.run_case, checkpoint_interval=0.3)
+    output.SAVING_SHARE = 1.0
+    members.run_member(case, folder)
+    return folder.name

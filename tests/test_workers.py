@@ -150,7 +150,6 @@ def test_lock_that_cannot_be_made_is_one_line(tmp_path):
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense:::", ""])
 def test_scheduler_that_is_not_there_is_one_line(monkeypatch, address):
-    pytest.importorskip("distributed")
     monkeypatch.setattr(workers, "CONNECT", 0.5)
     with pytest.raises(InputError, match=r"--scheduler: found .*allowed: the address") as caught:
         outcomes(fake_tasks.double, {1: (1,)}, scheduler=address)
