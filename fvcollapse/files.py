@@ -37,15 +37,15 @@ BROKEN = (
 )
 
 
-def memory_file():
+def memory_file(libver=LIBVER):
     """A new HDF5 file that lives in memory only."""
     name = f"fvcollapse-memory-{next(MEMORY_FILES)}"  # HDF5 tells open files apart by name
-    return h5py.File(name, "w", driver="core", backing_store=False, libver=LIBVER)
+    return h5py.File(name, "w", driver="core", backing_store=False, libver=libver)
 
 
-def build_image(fill):
+def build_image(fill, libver=LIBVER):
     """Bytes of the HDF5 file that `fill(file)` writes."""
-    with memory_file() as file:
+    with memory_file(libver) as file:
         fill(file)
         file.flush()
         return file.id.get_file_image()

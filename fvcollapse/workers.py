@@ -6,6 +6,7 @@ continues from its checkpoint (`run_member`). The workers of a cluster must see 
 machine (a shared file system) and have the same solver.
 """
 
+import asyncio
 import multiprocessing
 import os
 import signal
@@ -19,6 +20,7 @@ from concurrent.futures import (
     Executor,
     Future,
     ProcessPoolExecutor,
+    ThreadPoolExecutor,
     wait,
 )
 from contextlib import contextmanager
@@ -197,14 +199,24 @@ def cluster(address):
     """A client of a Dask scheduler."""
     try:
         from distributed import Client
+        from distributed.comm import connect
+        from distributed.security import Security
     except ImportError:
         found = "no package distributed"
         allowed = 'after pip install "fvcollapse[cluster]"'
         raise InputError("command line", "--scheduler", found, allowed) from None
+
+    async def knock():
+        """Connect first without a client: one that fails may hang when it is collected."""
+        keys = Security().get_connection_args("client")
+        await (await connect(address, timeout=CONNECT, **keys)).close()
+
     try:
+        with ThreadPoolExecutor(1) as thread:  # here an event loop may be running (notebooks)
+            thread.submit(asyncio.run, knock()).result()
         client = Client(address, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError) as error:  # a TimeoutError is an OSError
-        found = f"{address} ({str(error) or type(error).__name__})"
+    except (OSError, ValueError, TypeError) as error:  # a TimeoutError is an OSError
+        found = f"{address!r} ({str(error) or type(error).__name__})"
         allowed = "the address of a running Dask scheduler, such as tcp://host:8786"
         raise InputError("command line", "--scheduler", found, allowed) from None
     with client, interrupted_by_sigterm():

@@ -5,6 +5,7 @@ import signal
 import time
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 from fvcollapse.errors import InputError, NumericalError
 
@@ -63,15 +64,41 @@ def die_always():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def run_with_many_checkpoints(case, folder):
-    """`run_member` with a checkpoint every 0.3 s; tells in which process it runs."""
+def checkpoint_often():
+    """Let this process write a checkpoint every 0.3 s."""
     from fvcollapse import members, output
 
+    members.run_case = partial(output.run_case, checkpoint_interval=0.3)
+    output.SAVING_SHARE = 1.0
+
+
+def run_with_many_checkpoints(case, folder):
+    """`run_member`; tells in which process it runs."""
+    from fvcollapse import members
+
+    checkpoint_often()
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "processes").open("a") as file:
         file.write(f"{os.getpid()}\n")
-    members.run_case = partial(output.run_case, checkpoint_interval=0.3)
-    output.SAVING_SHARE = 1.0
     members.run_member(case, folder)
     return folder.name
+
+
+def fill_cache(folder, cases):
+    """Run all cases into a cache; tell the log of every run before its folder goes."""
+    import shutil
+
+    from fvcollapse import cache
+
+    def tell_and_remove(work, ignore_errors):
+        path = Path(work) / "run.log"
+        if path.exists():
+            with (Path(folder) / "logs").open("a") as file:
+                file.write(path.read_text())
+        remove(work, ignore_errors)
+
+    remove = shutil.rmtree
+    cache.shutil = SimpleNamespace(rmtree=tell_and_remove)
+    checkpoint_often()
+    cache.RunCache(Path(folder)).run_all(cases)

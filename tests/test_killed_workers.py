@@ -1,6 +1,7 @@
 """Real runs on real workers, one of which is killed in the midst: nothing lost, nothing done twice."""
 
 import json
+import multiprocessing
 import os
 import re
 import signal
@@ -10,12 +11,14 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
-from fake_tasks import run_with_many_checkpoints
+from fake_tasks import fill_cache, run_with_many_checkpoints
 from same_result import differences
 
 from fvcollapse import open_result
 from fvcollapse.__main__ import main
+from fvcollapse.cache import RunCache
 from fvcollapse.case import Case
 from fvcollapse.errors import NumericalError
 from fvcollapse.members import run_member
@@ -143,7 +146,7 @@ def test_worker_of_a_cluster_killed_in_the_midst_of_a_run(
     program.kill()
     program.wait()
     assert main([*arguments, "--scheduler", address, "--quiet"]) == 2
-    assert "--scheduler: found tcp://" in capsys.readouterr().err
+    assert "--scheduler: found 'tcp://" in capsys.readouterr().err
 
 
 def test_lost_scheduler_is_one_line_and_the_runs_continue_without_it(calls, scheduler, tmp_path):
@@ -158,3 +161,29 @@ def test_lost_scheduler_is_one_line_and_the_runs_continue_without_it(calls, sche
     run_all(run_with_many_checkpoints, calls, found.__setitem__)
     assert found == {name: name for name in calls}
     assert all(open_result(folder).complete for _, folder in calls.values())
+
+
+def test_cache_filled_by_two_processes_one_of_which_is_killed(calls, tmp_path):
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    cases = {name: case for name, (case, _) in calls.items() if name in ("0", "10", "20")}
+    runs = RunCache(folder)
+    context = multiprocessing.get_context("spawn")
+    fillers = [context.Process(target=fill_cache, args=(folder, cases)) for _ in range(2)]
+    fillers[0].start()
+    first = runs.place(cases["0"]) / "run"
+    wait_for(lambda: re.search(r"checkpoint at t = 0\.0*[1-9]", log(first)))
+    fillers[1].start()  # waits for the first run, or is still on its way there
+    time.sleep(1.0)
+    fillers[0].kill()
+    for filler in fillers:
+        filler.join()
+    assert fillers[1].exitcode == 0
+    told = (folder / "logs").read_text()
+    assert told.count(STARTED) == told.count(" done\n") == len(cases)
+    assert float(RESUMED.search(told).group(1)) > 0.0
+    results = runs.run_all(cases).results
+    assert set(results) == set(cases)
+    alone = RunCache(tmp_path / "alone").run(cases["0"])
+    for name in alone.series:
+        np.testing.assert_array_equal(alone.series[name], results["0"].series[name])

@@ -1,7 +1,9 @@
 """Many calls at once: outcomes, threads, workers that die, folders that are held."""
 
+import io
 import os
 import signal
+import sys
 import threading
 import time
 from collections import Counter
@@ -85,6 +87,18 @@ def test_nothing_to_do():
     assert outcomes(fake_tasks.double, {}, workers=2) == {}
 
 
+def test_bar_tells_runs_done_and_time_left(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    for quiet in (False, True):
+        monkeypatch.setattr(sys, "stderr", Terminal())
+        outcomes(fake_tasks.threads_and_process, {n: (0.15,) for n in range(3)}, quiet=quiet)
+        shown = sys.stderr.getvalue()
+        assert ("3/3" in shown) == ("run/s" in shown) == (not quiet)
+
+
 # -- workers that die ----------------------------------------------------------------------------
 
 
@@ -157,7 +171,7 @@ def test_scheduler_that_is_not_there_is_one_line(monkeypatch, address):
 
 
 def test_missing_package_is_named(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"fvcollapse\[cluster\]"):
         outcomes(fake_tasks.double, {1: (1,)}, scheduler="tcp://127.0.0.1:9")
 
