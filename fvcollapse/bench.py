@@ -27,6 +27,7 @@ from fvcollapse.output import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import coupled
 from fvcollapse.step.banded import allocate_band, factorise, solve_factorised
+from fvcollapse.sweep import sweep
 from fvcollapse.version import __version__
 
 SLOPES = {22: 2.0, 0: 1.0}  # deg: time simulated, s
@@ -242,6 +243,23 @@ def compile_times():
     return {"cold_s": cold, "warm_s": warm}
 
 
+def sweep_times():
+    """Wall time of a sweep of 8 runs with one and with two processes, s, and their ratio."""
+    case = Case().replace(**{"grid.cell_size": 0.012, "time.end": 2.0, "time.field_interval": 2.0})
+    slopes = {"geometry.slope_angle_deg": [15.0 + number for number in range(8)]}
+    seconds = {}
+    for workers in (1, 2):
+        with tempfile.TemporaryDirectory() as folder:
+            start = time.perf_counter()
+            sweep(case, slopes, Path(folder) / "sweep", workers=workers, quiet=True)
+            seconds[workers] = time.perf_counter() - start
+    return {
+        "one_core_s": seconds[1],
+        "two_cores_s": seconds[2],
+        "ratio": seconds[1] / seconds[2],
+    }
+
+
 def machine():
     """What the figures were measured on."""
     model = platform.processor()
@@ -272,7 +290,7 @@ def run_bench(names=(), path=None, quiet=False):
     Returns
     -------
     dict
-        machine, compilation (s) and cases.
+        machine, compilation (s), cases and, with all of them, the sweep of 8 runs on two cores.
 
     Raises
     ------
@@ -287,9 +305,17 @@ def run_bench(names=(), path=None, quiet=False):
     report = {"machine": machine(), "compilation": compile_times(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         report["cases"].append({"name": name} | run_member(case))
-        if path is not None:
-            write_atomic(path, json.dumps(report, indent=1).encode() + b"\n")
+        save(report, path)
+    if not names:
+        report["sweep_of_8"] = sweep_times()
+        save(report, path)
     return report
+
+
+def save(report, path):
+    """Write the report as JSON, if a path is given."""
+    if path is not None:
+        write_atomic(path, json.dumps(report, indent=1).encode() + b"\n")
 
 
 def table(report):
@@ -315,6 +341,10 @@ def table(report):
     lines.append(
         f"\nfirst start {compilation['cold_s']:.1f} s, later {compilation['warm_s']:.2f} s"
     )
+    if "sweep_of_8" in report:
+        lines.append(
+            f"two cores on a sweep of 8 runs: {report['sweep_of_8']['ratio']:.2f} times one core"
+        )
     for row in report["cases"]:
         share = sorted(row["share"].items(), key=lambda item: -item[1])
         lines.append(f"{row['name']}: " + ", ".join(f"{term} {100 * s:.0f} %" for term, s in share))
