@@ -128,7 +128,8 @@ def run_member(case, folder, quiet=True):
     InputError
         The folder holds a run of another case, or one to a later end.
     """
-    result = run_case(case, folder, resume=True, quiet=quiet)
+    # an empty place is not "resumed": there would be a warning that nothing is there
+    result = run_case(case, folder, resume=Path(folder).exists(), quiet=quiet)
     if result.case.time.end > case.time.end + SAME_TIME:
         found = f"{case.time.end:g}"
         allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"

@@ -1,0 +1,41 @@
+"""All figures of the paper's study.
+
+python -m plots.paper
+"""
+
+from plots import (
+    paper_closure,
+    paper_deposits,
+    paper_double_counting,
+    paper_front_velocity,
+    paper_pressure,
+    paper_profiles,
+    paper_refinement,
+    paper_sensitivity,
+    paper_style,
+    paper_viscosity_field,
+    paper_volume,
+)
+
+FIGURES = (
+    paper_profiles,
+    paper_volume,
+    paper_front_velocity,
+    paper_viscosity_field,
+    paper_deposits,
+    paper_pressure,
+    paper_refinement,
+    paper_closure,
+    paper_double_counting,
+    paper_sensitivity,
+)
+
+
+def main():
+    """Draw every figure; one that lacks a run is named and left out."""
+    for figure in FIGURES:
+        paper_style.main(figure.draw)
+
+
+if __name__ == "__main__":
+    main()

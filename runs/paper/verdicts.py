@@ -1,0 +1,149 @@
+"""How a number becomes a verdict: a clause is a measured value against a limit, with its uncertainty.
+
+Confirmed: beyond the limit by more than the grid uncertainty. Not confirmed: on the other side by
+as much. Between: cannot tell. A statement is confirmed when all its clauses are, not confirmed when
+one is not, and cannot be told otherwise, nor without any clause.
+"""
+
+import math
+from typing import NamedTuple
+
+from runs.paper.tables import MissingRun
+
+CONFIRMED, REFUTED, OPEN = "confirmed", "not confirmed", "cannot tell"
+
+
+class Clause(NamedTuple):
+    """A value against a limit.
+
+    Attributes
+    ----------
+    label : str
+        Which case, in a word or two.
+    value, uncertainty : float
+        NaN: not measured; an uncertainty that is not known counts as none and is printed as "?".
+    sense : str
+        "above", "below" or "within".
+    limit : float or (float, float)
+    unit : str
+    """
+
+    label: str
+    value: float
+    uncertainty: float
+    sense: str
+    limit: float | tuple
+    unit: str = ""
+
+    @property
+    def verdict(self):
+        """One of the three verdicts."""
+        if math.isnan(self.value):
+            return OPEN
+        if self.sense == "within":
+            low, high = self.limit
+            sides = [
+                self._replace(sense="above", limit=low),
+                self._replace(sense="below", limit=high),
+            ]
+            return combined([side.verdict for side in sides])
+        slack = 0.0 if math.isnan(self.uncertainty) else self.uncertainty
+        sign = 1.0 if self.sense == "above" else -1.0
+        beyond = sign * (self.value - self.limit)
+        return CONFIRMED if beyond > slack else REFUTED if beyond <= -slack else OPEN
+
+    def text(self):
+        """The label, the value and its uncertainty."""
+        if math.isnan(self.value):
+            return f"{self.label} –".strip()
+        error = "?" if math.isnan(self.uncertainty) else f"{rounded(self.uncertainty)}"
+        return f"{self.label} {rounded(self.value)} ± {error}".strip()
+
+
+def rounded(value):
+    """Three significant digits, without an exponent where there need not be one."""
+    if value == 0.0 or 1e-4 <= abs(value) < 1e4:
+        digits = 0 if value == 0.0 else max(0, 2 - math.floor(math.log10(abs(value))))
+        return f"{value:.{min(digits, 4)}f}"
+    return f"{value:.1e}"
+
+
+def combined(verdicts):
+    """The verdict on a statement from those on its clauses."""
+    if REFUTED in verdicts:
+        return REFUTED
+    return CONFIRMED if verdicts and set(verdicts) == {CONFIRMED} else OPEN
+
+
+class Statement(NamedTuple):
+    """What the paper says and what came of it.
+
+    Attributes
+    ----------
+    place : str
+        Figure or section.
+    claim : str
+        What is said, in short.
+    criterion : str
+        In words, with the threshold.
+    clauses : list of Clause
+    also : str
+        What was measured beside it; no part of the verdict.
+    """
+
+    place: str
+    claim: str
+    criterion: str
+    clauses: list
+    also: str = ""
+
+    @property
+    def verdict(self):
+        """One of the three verdicts."""
+        return combined([clause.verdict for clause in self.clauses])
+
+    def measured(self):
+        """The numbers of all clauses with their units, and how many of several are confirmed."""
+        parts = [clause.text() for clause in self.clauses]
+        units = list(dict.fromkeys(clause.unit for clause in self.clauses))
+        if len(units) == 1:
+            text = "; ".join(parts) + (f" {units[0]}" if units[0] else "")
+        else:
+            pairs = zip(parts, self.clauses, strict=True)
+            text = "; ".join(f"{part} {clause.unit}".strip() for part, clause in pairs)
+        if len(parts) > 1 and self.verdict != CONFIRMED:
+            agreed = sum(clause.verdict == CONFIRMED for clause in self.clauses)
+            text += f" ({agreed} of {len(parts)} confirmed)"
+        return ". ".join(part for part in (text, self.also) if part)
+
+
+class Claim(NamedTuple):
+    """A statement still to be measured: `measure(tables)` gives its clauses, or (clauses, also)."""
+
+    place: str
+    claim: str
+    criterion: str
+    measure: object
+
+    def statement(self, tables):
+        """The `Statement` from the tables; without clauses where a run is missing."""
+        try:
+            found = self.measure(tables)
+        except MissingRun as missing:
+            return Statement(self.place, self.claim, self.criterion, [], f"not run: {missing}")
+        clauses, also = found if isinstance(found, tuple) else (found, "")
+        return Statement(self.place, self.claim, self.criterion, clauses, also)
+
+
+def claims():
+    """An empty list and the decorator that adds a measure to it."""
+    listed = []
+
+    def claim(place, text, criterion):
+        def add(measure):
+            listed.append(Claim(place, text, criterion, measure))
+            return measure
+
+        return add
+
+    return listed, claim
