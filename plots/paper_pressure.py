@@ -4,9 +4,9 @@ python -m plots.paper_pressure
 """
 
 from fvcollapse.drawing import BLUE, GREY, ORANGE
-from plots.paper_style import WIDTH_NAME, main, panels, save
+from plots.paper_style import WIDTH_NAME, main, panels, percent, save
 
-STATIONS = (0.2, 0.4, 0.6, 0.8)  # m
+STATIONS = (0.1, 0.25, 0.4, 0.6)  # m
 MODELS = {
     "computed": {"color": "black", "marker": "o", "ms": 4, "ls": "none"},
     "hydrostatic": {"color": ORANGE, "ls": "--"},
@@ -24,16 +24,14 @@ pressure, of the hydrostatic pressure and of (22).
 def draw(of):
     """One row per law and width."""
     rows = [(law, width) for width in ("w10", "winf") for law in ("muI", "eta0.4")]
-    figure, axes = panels(4, 4, (11.0, 11.0))
+    figure, axes = panels(4, 4, (11.0, 10.0))
     for line, (law, width) in zip(axes, rows, strict=True):
         case = f"{law}_a22_{width}"
         for panel, x in zip(line, STATIONS, strict=True):
             column(panel, of, case, x)
         near, better = (of.value(case, f"misfit_{name}_1.5") for name in ("hydrostatic", "22"))
         name = "η_I" if law == "muI" else "0.4 Pa s"
-        misfits = " and ".join(
-            f"{100 * of.value:.1f} ± {100 * of.uncertainty:.1f} %" for of in (near, better)
-        )
+        misfits = f"{percent(near)} and {percent(better)}"
         line[0].set_title(f"{name}, {WIDTH_NAME[width]}: {misfits}", fontsize="medium", loc="left")
         line[0].set_ylabel("depth (mm)")
     for panel in axes[-1]:

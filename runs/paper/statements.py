@@ -97,6 +97,16 @@ def markdown(statements, coarse, fine):
     return text
 
 
+def table(of, title, head, rows):
+    """A table of numbers without verdicts; one line where a run is missing."""
+    try:
+        lines = rows(of)
+    except tables.MissingRun as missing:
+        return f"\n## {title}\n\nNot run: {missing}\n"
+    text = f"\n## {title}\n\n| " + " | ".join(head) + " |\n" + "|---" * len(head) + "|\n"
+    return text + "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
 def main(folder=tables.HERE):
     """Write both files and print how many statements were confirmed."""
     of = tables.Tables(folder)
@@ -105,6 +115,7 @@ def main(folder=tables.HERE):
     coarse, fine = (row.get("cell_size_mm", float("nan")) for row in sizes)
     tables.write(of.folder / "statements.csv", HEAD, clause_rows(statements))
     text = markdown(statements, coarse, fine)
+    text += "".join(table(of, *about) for about in statements_open.TABLES)
     tables.write_atomic(of.folder / "statements.md", text.encode())
     print(next(line for line in text.splitlines() if " confirmed, " in line))
 

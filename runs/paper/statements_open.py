@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from runs.paper.cases import SLOPES
+from runs.paper.cases import SENSITIVITIES, SLOPES, WIDTHS
 from runs.paper.statements_walls import LENGTH_0, SALTATION, muI
-from runs.paper.verdicts import Clause, claims
+from runs.paper.verdicts import Clause, claims, rounded
 
 MEASURED_RUNOUT, READING = 0.275, 0.005  # m from the gate at 0 deg, Mangeney et al. (2010)
 DEPOSIT_LIMIT = 1.6  # m; the measured deposit at 22 deg, w = 10 cm, is shorter
@@ -218,6 +218,61 @@ def law_cost(t):
         )
         for a in (10, 16, 22)
     ]
+
+
+# -- tables beside the statements ------------------------------------------------------------------
+
+
+def sensitivity_rows(t):
+    """Rows (change, runouts at 10, 5, 1 mm less those of the reference, what moves beyond the grid)."""
+    reference = muI(22, "winf")
+    columns = ("runout_10mm_m", "runout_5mm_m", "runout_1mm_m")
+    rows = [("reference", *(f"{t.row(reference)[name]:.3f}" for name in columns), "")]
+    errors = [t.value(reference, name).uncertainty for name in columns]
+    rows.append(("its grid uncertainty", *(f"± {error:.3f}" for error in errors), ""))
+    for name, (words, _) in SENSITIVITIES.items():
+        row = t.row(f"{name}_a22_winf")
+        changes = [row[column] - t.row(reference)[column] for column in columns]
+        moved = [
+            label
+            for label, change, error in zip(("10", "5", "1"), changes, errors, strict=True)
+            if abs(change) > error
+        ]
+        verdict = f"beyond the grid at {', '.join(moved)} mm" if moved else "within the grid"
+        rows.append((words, *(f"{change:+.3f}" for change in changes), verdict))
+    return rows
+
+
+def parameter_rows(t):
+    """Rows (set, width, runout (5 mm) at each slope, flowing share at 1.76 s and 22 deg)."""
+    sets = dict.fromkeys(
+        (words.removesuffix(" with the sink"), name)
+        for words, (name, width) in VARIANTS.items()
+        if width == "w10"
+    )
+    rows = []
+    for words, name in sets:
+        for width in WIDTHS:
+            found = [t.value(f"{name}_a{a}_{width}", "runout_5mm_m") for a in SLOPES]
+            flowing = t.row(f"{name}_a22_{width}")["flowing_share_1.76"]
+            label = "w = ∞, no sink" if width == "winf" else f"w = {width[1:]} cm, sink"
+            values = (f"{of.value:.3f} ± {rounded(of.uncertainty)}" for of in found)
+            rows.append((words, label, *values, f"{flowing:.3f}"))
+    return rows
+
+
+TABLES = (  # title, head, rows
+    (
+        "Runout at 22° without lateral friction: what each change moves (m)",
+        ("change", "at 10 mm", "at 5 mm", "at 1 mm", "against the grid uncertainty"),
+        sensitivity_rows,
+    ),
+    (
+        "Parameter sets with and without the sink: runout (5 mm) from the back wall (m)",
+        ("µ1, µ2", "walls", *(f"{a}°" for a in SLOPES), "flowing share at 1.76 s, 22°"),
+        parameter_rows,
+    ),
+)
 
 
 # -- statements about experiments that are not supplied --------------------------------------------

@@ -2,7 +2,8 @@
 
 A group has `scalars.csv`, one row per run, and `curves.csv`, one row per curve: equidistant values,
 separated by blanks, along `axis` from `start` by `step`. A front that has stopped is cut there and
-stays where it is; its velocity is zero.
+stays where it is. Its velocity is not in the tables: it follows from the front (`Tables.line` of
+`velocity_m_s`).
 """
 
 import csv
@@ -14,12 +15,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.files import write_atomic
+from runs.paper import measures
 
 HERE = Path(__file__).parent
 SCALARS, CURVES = "scalars.csv", "curves.csv"
 RUN = ("case", "refinement", "cell_size_mm")
 HEAD = (*RUN, "quantity", "t_s", "x_m", "axis", "start", "step", "values")
 FINE = 1.5  # refinement that gives the uncertainty of the tables
+VELOCITY = "velocity_m_s"
 SAME_TIME = 0.011  # s; half the interval of the profiles, and a little
 
 
@@ -166,6 +169,8 @@ class Tables:
         ------
         MissingRun
         """
+        if quantity == VELOCITY:
+            return velocity(self.line(case, "front_m", refinement=refinement))
         found = self.curves.get((case, refinement, quantity), [])
         for name, wanted in (("t_s", t), ("x_m", x)):
             if wanted is not None:
@@ -189,6 +194,15 @@ class Tables:
 def reference(case):
     """The mu(I) case of the same slope and width."""
     return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
+
+
+def velocity(front):
+    """The `Line` of the velocity of a front, up to where it is at rest."""
+    still = 10  # points; more than the window of the slope
+    position = np.concatenate([front.values, np.full(still, front.values[-1])])
+    step = front.at[1] - front.at[0]
+    at = np.concatenate([front.at, front.at[-1] + step * np.arange(1, still + 1)])
+    return Line(at, measures.front_velocity(position, step))
 
 
 def as_line(row):
