@@ -33,12 +33,12 @@ def draw(of):
                 panel.errorbar(
                     SLOPES, values, errors, label=label if line == "-" else None, **style
                 )
-        panel.errorbar(
-            [0], [MEASURED], [ERROR], fmt="s", color="black", capsize=4, label="measured"
-        )
-        panel.errorbar([22], [LIMIT], [0.15], uplims=True, fmt="_", color="black")
+        if width != "w20":
+            style = {"color": "black", "ls": "none", "capsize": 4}
+            panel.errorbar([0], [MEASURED], [ERROR], marker="s", ms=4, label="measured", **style)
+            panel.errorbar([22], [LIMIT], [0.2], uplims=True, marker="_", ms=12, **style)
         panel.set_title(f"{WIDTH_NAME[width]}", fontsize="medium")
-        panel.set(xlabel="slope (°)", ylim=(0.2, 2.8))
+        panel.set(xlabel="slope (°)", ylim=(0.2, 3.6))
     axes[0, 0].set_ylabel("runout from the back wall (m)")
     axes[0, 0].legend(frameon=False, fontsize="small")
     save(figure, "paper_double_counting", of, CAPTION, ("lateral_friction", "double_counting"))

@@ -22,8 +22,8 @@ WIDTH_NAME = {"w10": "w = 10 cm", "w20": "w = 20 cm", "winf": "w = ∞"}
 END = 2.0  # s, of the front velocities
 DPI = 110
 ABOUT_VELOCITY = """
-Velocity of the front (5 mm thickness, farthest so far) by local parabolas over 80 ms; before 80 ms the front
-is a vertical wall that is read to a cell.
+Velocity of the front (5 mm thickness, farthest so far) by local parabolas over 80 ms; in the first 80 ms the
+front is a vertical wall that is read to a cell, so nothing is drawn.
 """
 CELLS = "Cells {coarse:g} mm; bands and bars: difference to {fine:.3g} mm cells. Numbers drawn: {sources}."
 
@@ -85,9 +85,10 @@ def percent(measured):
 
 def key(axes, entries, **options):
     """A legend of styles {label: style}, without drawing anything."""
+    if axes.get_legend() is not None:
+        axes.add_artist(axes.get_legend())  # a second legend would replace it
     handles = [axes.plot([], [], label=label, **style)[0] for label, style in entries.items()]
-    legend = axes.legend(handles=handles, frameon=False, fontsize="small", **options)
-    axes.add_artist(legend)
+    axes.legend(handles=handles, frameon=False, fontsize="small", **options)
 
 
 def velocities_by_slope(of, laws, slopes, widths, name):

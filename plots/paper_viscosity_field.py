@@ -20,7 +20,7 @@ time. Static part white.
 
 def draw(of):
     """One panel per slope."""
-    figure, axes = panels(2, 2, (10.5, 5.6))
+    figure, axes = panels(2, 2, (10.5, 3.9))
     for panel, slope in zip(axes.flat, SLOPES, strict=True):
         time, columns = of.columns(f"muI_a{slope}_w10", "peak_eta_Pa_s")
         x, z, eta = as_grid(columns)
@@ -41,7 +41,7 @@ def draw(of):
         panel.set_xlabel("distance from the back wall (m)")
     for panel in axes[:, 0]:
         panel.set_ylabel("height (m)")
-    figure.colorbar(image, ax=axes, label="η_I (Pa s)", shrink=0.8)
+    figure.colorbar(image, ax=axes, label="η_I (Pa s)", shrink=0.9)
     groups = ("lateral_friction", "viscosity")
     save(figure, "paper_11_viscosity_field", of, CAPTION, groups)
 

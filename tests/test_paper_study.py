@@ -227,6 +227,9 @@ def test_verdict_on_a_statement():
     ]
     statement = Statement("3", "claim", "criterion", clauses, "more")
     assert statement.measured() == "10° 0.123 ± 0.0007; 0° 0.0100 ± ? m (1 of 2 confirmed). more"
+    many = Statement("3", "claim", "criterion", clauses * 4)
+    assert many.measured().startswith("8 values, 0.0100 to 0.123 m; of these 0° 0.0100 ± ?; 0°")
+    assert many.measured().endswith("m (4 of 8 confirmed)")
 
 
 def test_a_missing_run_leaves_a_claim_open():
@@ -264,9 +267,11 @@ def written(tmp_path):
     tables.write(tmp_path / "group" / tables.SCALARS, tuple(rows[0]), rows)
     run = {"case": "muI_a22_w10", "refinement": 1.0, "cell_size_mm": 6.0}
     values = np.array([0.2, 0.25, math.nan, -0.00001, 1.5])
-    curve = extract.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
+    curve = extract.Curve("odd_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
+    values = np.minimum(0.2 + 0.01 * np.arange(20), 0.3)
+    front = extract.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
     dated = extract.Curve("thickness_mm", 1.76, math.nan, "x_m", 0.0, 0.006, 100 * values[:2], 1)
-    lines = [tables.curve_row(run, of) for of in (curve, dated)]
+    lines = [tables.curve_row(run, of) for of in (curve, front, dated)]
     tables.write(tmp_path / "group" / tables.CURVES, tables.HEAD, lines)
     return tables.Tables(tmp_path)
 
@@ -286,10 +291,16 @@ def test_what_two_runs_share_is_no_uncertainty_of_their_difference(written):
 
 
 def test_curves_are_read_back(written):
-    line = written.line("muI_a22_w10", "front_m")
+    line = written.line("muI_a22_w10", "odd_m")
     np.testing.assert_allclose(line.at, 0.01 * np.arange(5))
     np.testing.assert_array_equal(line.values, [0.2, 0.25, math.nan, 0.0, 1.5])
-    np.testing.assert_allclose(written.line("muI_a22_w10", "thickness_mm", 1.76).values, [20, 25])
+    np.testing.assert_allclose(written.line("muI_a22_w10", "thickness_mm", 1.76).values, [20, 21])
+
+
+def test_velocity_follows_from_the_front(written):
+    line = written.line("muI_a22_w10", tables.VELOCITY)
+    assert np.isnan(line.values[: measures.EARLIEST]).all()
+    assert line.values[-1] == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def lateral_friction():
     return {
         f"muI_a{slope}_{width}": Member(
             collapse(slope, width),
-            TRIPLE if slope == 22 else PAIR,
+            TRIPLE if slope == 22 and width != "w20" else PAIR,
             PROFILES.get((slope, width), ()),
             kept(slope, width),
         )
@@ -128,7 +128,7 @@ def older_closure():
                     "flowing_thickness": thickness,
                 },
             ),
-            PAIR if slope == 22 else (1.0,),
+            PAIR,
             (0.48,) if slope == 10 else (0.48, 0.96) if slope == 22 else (),
             ("velocity",) if slope in (10, 16, 22) and width == "w10" else (),
         )
@@ -144,7 +144,7 @@ def double_counting():
         f"{name}_a{slope}_{width}": Member(
             # without walls nothing stops it at 22 deg (tan = 0.404), so there is no end to wait for
             collapse(slope, width, end=2.0 if slope == 22 else None, **changes),
-            PAIR if slope in (0, 22) and width == "w10" else (1.0,),
+            PAIR if width == "w10" else (1.0,),
         )
         for name, changes in beds.items()
         for slope in SLOPES
@@ -155,7 +155,7 @@ def double_counting():
 def back_wall():
     """Friction mu_w on the back wall (equation 14) instead of mu_b (section VI)."""
     return {
-        f"back0.18_a{slope}_w10": Member(collapse(slope, "w10", boundary__mu_back_wall=0.18))
+        f"back0.18_a{slope}_w10": Member(collapse(slope, "w10", boundary__mu_back_wall=0.18), PAIR)
         for slope in SLOPES
     }
 

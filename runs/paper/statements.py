@@ -31,7 +31,8 @@ Written by `python -m runs.paper.statements` from the tables of the study; no ve
 hand. The number after ± is the grid uncertainty: how much the value moves from {coarse} mm to {fine} mm cells
 (a case run on one grid has that of µ(I) at the same slope and width; "?" where there is none). A
 statement is confirmed when every clause is beyond its limit by more than that, not confirmed when
-one is on the other side by as much, and cannot be told otherwise. Fronts are where the layer is
+one is on the other side by as much, and cannot be told otherwise. Of many clauses the range is given, and those
+that are not confirmed one by one; all of them are in statements.csv. Fronts are where the layer is
 thinner than 5 mm unless said.
 
 {confirmed} of {total} confirmed, {refuted} not confirmed, {open} cannot tell.
@@ -77,8 +78,8 @@ def markdown(statements, coarse, fine):
     """Text of statements.md."""
     verdicts = [statement.verdict for statement in statements]
     text = INTRODUCTION.format(
-        coarse=f"{coarse:g}",
-        fine=f"{fine:g}",
+        coarse=f"{coarse:.3g}",
+        fine=f"{fine:.3g}",
         total=len(verdicts),
         confirmed=verdicts.count(CONFIRMED),
         refuted=verdicts.count(REFUTED),

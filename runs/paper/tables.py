@@ -197,12 +197,14 @@ def reference(case):
 
 
 def velocity(front):
-    """The `Line` of the velocity of a front, up to where it is at rest."""
+    """The `Line` of the velocity of a front, from 80 ms up to where it is at rest."""
     still = 10  # points; more than the window of the slope
     position = np.concatenate([front.values, np.full(still, front.values[-1])])
     step = front.at[1] - front.at[0]
     at = np.concatenate([front.at, front.at[-1] + step * np.arange(1, still + 1)])
-    return Line(at, measures.front_velocity(position, step))
+    slope = measures.front_velocity(position, step)
+    slope[: measures.EARLIEST] = math.nan  # a vertical wall is read to a cell only
+    return Line(at, slope)
 
 
 def as_line(row):

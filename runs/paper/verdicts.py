@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from runs.paper.tables import MissingRun
 
+FEW = 6  # clauses that are listed one by one
 CONFIRMED, REFUTED, OPEN = "confirmed", "not confirmed", "cannot tell"
 
 
@@ -103,18 +104,33 @@ class Statement(NamedTuple):
         return combined([clause.verdict for clause in self.clauses])
 
     def measured(self):
-        """The numbers of all clauses with their units, and how many of several are confirmed."""
-        parts = [clause.text() for clause in self.clauses]
-        units = list(dict.fromkeys(clause.unit for clause in self.clauses))
-        if len(units) == 1:
-            text = "; ".join(parts) + (f" {units[0]}" if units[0] else "")
+        """The numbers: of each clause, or of many the range and those that are not confirmed."""
+        named = [clause for clause in self.clauses if clause.verdict != CONFIRMED]
+        if len(self.clauses) <= FEW:
+            text = listing(self.clauses)
         else:
-            pairs = zip(parts, self.clauses, strict=True)
-            text = "; ".join(f"{part} {clause.unit}".strip() for part, clause in pairs)
-        if len(parts) > 1 and self.verdict != CONFIRMED:
-            agreed = sum(clause.verdict == CONFIRMED for clause in self.clauses)
-            text += f" ({agreed} of {len(parts)} confirmed)"
+            known = [of for of in self.clauses if not math.isnan(of.value)]
+            units = dict.fromkeys(of.unit for of in known)
+            text = "; ".join(span([of for of in known if of.unit == unit]) for unit in units)
+            text += f"; of these {listing(named)}" if named else ""
+        if len(self.clauses) > 1 and named:
+            text += f" ({len(self.clauses) - len(named)} of {len(self.clauses)} confirmed)"
         return ". ".join(part for part in (text, self.also) if part)
+
+
+def listing(clauses):
+    """Clauses one by one, a unit that all share at the end."""
+    units = {clause.unit for clause in clauses}
+    if len(units) == 1:
+        return f"{'; '.join(clause.text() for clause in clauses)} {units.pop()}".strip()
+    return "; ".join(f"{clause.text()} {clause.unit}".strip() for clause in clauses)
+
+
+def span(clauses):
+    """Number and range of the values of clauses of one unit."""
+    values = [clause.value for clause in clauses]
+    low, high = rounded(min(values)), rounded(max(values))
+    return f"{len(values)} values, {low} to {high} {clauses[0].unit}".strip()
 
 
 class Claim(NamedTuple):
