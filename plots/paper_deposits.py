@@ -21,7 +21,8 @@ def draw(of):
     """One panel."""
     figure, axes = panels(1, 1, (9.0, 3.6))
     for label, (law, colour) in LAWS.items():
-        draw_line(axes[0, 0], of, f"{law}_a22_w10", "thickness_mm", 1.76, color=colour, label=label)
+        style = {"color": colour, "label": label, "ls": "--" if law == "eta0.4" else "-"}
+        draw_line(axes[0, 0], of, f"{law}_a22_w10", "thickness_mm", 1.76, **style)
     finish_profile(axes[0, 0])
     save(figure, "paper_16_deposits", of, CAPTION, ("lateral_friction", "viscosity"))
 

@@ -29,7 +29,8 @@ def draw(of):
             case = f"{law}_a22_{width}"
             rough = of.value(case, "roughness_1.5_mm")
             words = f"{label}, roughness {rough.value:.2f} ± {rough.uncertainty:.2f} mm"
-            draw_line(panel, of, case, "thickness_mm", 1.5, color=colour, label=words)
+            style = {"color": colour, "label": words, "ls": "-" if law == "muI" else "--"}
+            draw_line(panel, of, case, "thickness_mm", 1.5, **style)
         finish_profile(panel)
         panel.set_title(WIDTH_NAME[width], fontsize="medium")
     axes[0, 0].set_xlabel("")

@@ -19,8 +19,8 @@ from runs.paper.measures import PLATEAU_LEAST
 from runs.paper.tables import VELOCITY
 
 LAWS = {  # law: colour; 0.4 Pa s was not run at w = 20 cm
-    "w10": {"eta0.1": GREY, "eta0.4": PURPLE, "eta1": GREEN, "eta2": ORANGE, "muI": BLUE},
-    "w20": {"eta0.1": GREY, "eta1": GREEN, "eta2": ORANGE, "muI": BLUE},
+    "w10": {"muI": BLUE, "eta0.1": GREY, "eta0.4": PURPLE, "eta1": GREEN, "eta2": ORANGE},
+    "w20": {"muI": BLUE, "eta0.1": GREY, "eta1": GREEN, "eta2": ORANGE},
 }
 CAPTION = """
 Figures 14 and 15 of the paper: 22 deg, η_I and constant viscosities. A slow propagation phase of at least
@@ -36,7 +36,10 @@ def draw(of):
         for law, colour in laws.items():
             case = f"{law}_a22_{width}"
             label = "η_I" if law == "muI" else f"{law.removeprefix('eta')} Pa s"
-            draw_line(panel, of, case, VELOCITY, end=END, color=colour, lw=1.3, label=label)
+            style = (
+                {"lw": 2.2} if law == "muI" else {"lw": 1.2, "ls": "--" if "0.4" in law else "-"}
+            )
+            draw_line(panel, of, case, VELOCITY, end=END, color=colour, label=label, **style)
             found += mark_plateau(panel, of.row(case), colour)
         finish_velocity(panel, f"22°, {WIDTH_NAME[width]}")
         panel.legend(frameon=False, fontsize="small")

@@ -25,6 +25,8 @@ def draw(of):
                 panel(axes[row, column], of, slope, width, time)
             axes[0, column].set_title(f"{slope}°, {WIDTH_NAME[width]}", fontsize="medium")
             axes[2, column].set_xlabel("distance from the back wall (m)")
+            colours = {WIDTH_NAME[width]: {"color": BLUE}, "w = ∞": {"color": ORANGE}}
+            key(axes[2, column], colours, loc="center right")
         for row in range(3):
             axes[row, 0].set_ylabel("height (mm)")
         save(
@@ -43,11 +45,6 @@ def panel(axes, of, slope, width, time):
         draw_line(axes, of, case, "static_mm", time, color=colour, lw=1.0, ls="--")
     axes.text(0.98, 0.9, f"t = {time:.2f} s", transform=axes.transAxes, ha="right", va="top")
     axes.set(xlim=(0.0, None), ylim=(0.0, None))
-    key(
-        axes,
-        {WIDTH_NAME[width]: {"color": BLUE}, "w = ∞": {"color": ORANGE}},
-        loc="center right",
-    )
 
 
 if __name__ == "__main__":

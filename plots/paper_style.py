@@ -155,8 +155,8 @@ def save(figure, name, of, caption, sources):
     FIGURES.mkdir(exist_ok=True)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=DPI)
-    # 128 colours are enough for lines and one colour map, and a third of the bytes
-    Image.open(stream).convert("RGB").quantize(128).save(FIGURES / f"{name}.png", optimize=True)
+    # 256 colours are enough for lines and one colour map, and a third of the bytes
+    Image.open(stream).convert("RGB").quantize(256).save(FIGURES / f"{name}.png", optimize=True)
     text = textwrap.fill(" ".join(f"{caption} {cells}".split()), 115, break_on_hyphens=False)
     (FIGURES / f"{name}.txt").write_text(f"{text}\n", encoding="utf-8")
 

@@ -20,7 +20,7 @@ time. Static part white.
 
 def draw(of):
     """One panel per slope."""
-    figure, axes = panels(2, 2, (10.5, 3.9))
+    figure, axes = panels(2, 2, (10.5, 3.3))
     for panel, slope in zip(axes.flat, SLOPES, strict=True):
         time, columns = of.columns(f"muI_a{slope}_w10", "peak_eta_Pa_s")
         x, z, eta = as_grid(columns)
