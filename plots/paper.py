@@ -20,6 +20,7 @@ from plots import (
     paper_viscosity_field,
     paper_volume,
 )
+from runs.paper.tables import HERE
 
 FIGURES = (
     paper_profiles,
@@ -39,10 +40,10 @@ FIGURES = (
 )
 
 
-def main():
-    """Draw every figure; one that lacks a run is named and left out."""
+def main(folder=HERE):
+    """Draw every figure from the tables in a folder; one that lacks a run is named and left out."""
     for figure in FIGURES:
-        paper_style.main(figure.draw)
+        paper_style.main(figure.draw, folder)
 
 
 if __name__ == "__main__":

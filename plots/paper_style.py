@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 
 from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
-from runs.paper.tables import FINE, VELOCITY, MissingRun, Tables
+from runs.paper.tables import FINE, HERE, VELOCITY, MissingRun, Tables
 
 FIGURES = Path(__file__).parent / "figures"
 PURPLE, YELLOW, SKY = "#CC79A7", "#E69F00", "#56B4E9"  # Okabe & Ito (2008)
@@ -161,9 +161,9 @@ def save(figure, name, of, caption, sources):
     (FIGURES / f"{name}.txt").write_text(f"{text}\n", encoding="utf-8")
 
 
-def main(draw):
-    """Draw from the tables of the repository; one line where a run is missing."""
+def main(draw, folder=HERE):
+    """Draw from the tables in a folder; one line where a run is missing."""
     try:
-        draw(Tables())
+        draw(Tables(folder))
     except MissingRun as missing:
         print(f"{draw.__module__}: not drawn: {missing}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fvcollapse.case import GRAVITY, Case
-from runs.paper import cases, extract, measures, pressure, statements, study, tables
+from runs.paper import cases, extract, measures, members, pressure, statements, study, tables
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Clause, Statement, claims, combined
 
 TIME = measures.STEP * np.arange(201)
@@ -347,10 +347,10 @@ def short(monkeypatch):
     """One short case on two coarse grids instead of all."""
     settings = cases.collapse(22, "w10", end=0.12)
     keep = tuple(extract.KEPT)
-    members = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
-    for module in (cases, study):
-        monkeypatch.setattr(module, "GROUPS", {"lateral_friction": members})
-    return members
+    listed = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
+    for module in (cases, study, members):
+        monkeypatch.setattr(module, "GROUPS", {"lateral_friction": listed})
+    return listed
 
 
 def study_in(folder, *arguments):
@@ -422,16 +422,11 @@ def test_committed_statements_follow_from_the_committed_tables(tmp_path):
 
 @pytest.mark.slow
 def test_everything_is_remade(tmp_path, monkeypatch):
-    """All cases on very coarse grids, the statements and the figures."""
-    from plots import paper, paper_style
-
-    for key in ("FIGURES",):
-        monkeypatch.setattr(paper_style, key, tmp_path / "figures")
-    status = study_in(tmp_path)
-    assert status in (0, 1)  # on such grids a run may fail; it is then named, and left out
+    """All cases on the coarsest grids that are allowed, the statements and the figures."""
+    monkeypatch.setattr("plots.paper_style.FIGURES", tmp_path / "figures")
+    options = ["--data", str(tmp_path / "runs"), "--tables", str(tmp_path), "--cell-size", "0.035"]
+    assert study.main(options) in (0, 1)  # on such grids a run may fail; it is named and left out
     of = tables.Tables(tmp_path)
     assert len(of.scalars) > 150
-    monkeypatch.setattr(paper_style, "Tables", lambda: of)
-    statements.main(tmp_path)
-    paper.main()
+    assert (tmp_path / "statements.md").exists()
     assert len(list((tmp_path / "figures").glob("*.png"))) > 10

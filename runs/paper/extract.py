@@ -141,11 +141,11 @@ def profile_at(profiles, time):
 
 
 def flowing_thickness(result):
-    """Mean thickness of the flowing layer, over its columns and the times that anything flows, m."""
+    """Thickness of the flowing layer, mean over the flowing grains and times after 0.1 s, m."""
     profiles = result.profiles
-    layer = profiles.thickness - profiles.static_height
-    flows = (layer > measures.FLOW_LEAST) & (profiles.time >= 0.1)[:, None]
-    return float(layer[flows].mean()) if flows.any() else math.nan
+    layer = (profiles.thickness - profiles.static_height)[profiles.time >= 0.1]
+    layer = np.where(layer > measures.FLOW_LEAST, layer, 0.0)
+    return float((layer**2).sum() / layer.sum()) if layer.any() else math.nan
 
 
 def field_at(result, time):
@@ -159,7 +159,7 @@ def flow_scalars(result):
     low, high = measures.weighted_quantiles(eta, weight, (0.05, 0.95))
     least, median, most = measures.weighted_quantiles(inertial, weight, (0.01, 0.5, 0.99))
     mean, total = 0.0, 0.0
-    for index in np.flatnonzero(result.field_times >= 0.1):
+    for index in np.flatnonzero(result.field_times >= 0.1)[::2]:  # every 0.1 s says enough
         eta_now, _, weight_now = flowing_cells(result, result.field(int(index)))
         mean, total = mean + (eta_now * weight_now).sum(), total + weight_now.sum()
     return {

@@ -87,7 +87,7 @@ def closures_same_runout(t):
 
 @claim(
     "VII (question)",
-    "and with the thickness that flows here (h = 2.5 cm)",
+    "and with h = 2.5 cm, about what flows at 22°",
     "older (h = 2.5 cm) and sink within 2 cm (5 mm), w = 10 cm",
 )
 def closures_same_runout_25mm(t):
@@ -166,7 +166,7 @@ def count_twice(words, name, width):
                 "m",
             ),
             Clause("22°", *t.value(steep, "runout_5mm_m"), "below", DEPOSIT_LIMIT, "m"),
-            Clause("flowing", *t.value(steep, "flowing_share_1.76"), "below", AT_REST, "of 1"),
+            Clause("flowing", *t.value(steep, "flowing_share_1.76"), "below", AT_REST),
         ]
         row, thick = t.row(flat), t.row(steep)
         return clauses, (

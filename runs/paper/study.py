@@ -10,19 +10,19 @@ that are named.
 """
 
 import argparse
+import multiprocessing
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 
 from tqdm import tqdm
 
 from fvcollapse.errors import FvcollapseError, InputError, OutputError
-from fvcollapse.output import RESULT
 from fvcollapse.refinement import run_members
-from fvcollapse.result import open_result
 from runs.paper import tables
 from runs.paper.cases import GROUPS, runs
-from runs.paper.extract import curves, scalars
-from runs.paper.members import cost, run_one
+from runs.paper.members import rows_of_run, run_one
 
 
 def main(argv=None):
@@ -31,9 +31,9 @@ def main(argv=None):
         arguments = parse(argv)
         wanted = runs(arguments.groups or GROUPS, arguments.cell_size)
         compute(wanted, arguments.data, arguments.workers)
-        missing = write_tables(wanted, arguments.data, arguments.tables)
+        missing = write_tables(wanted, arguments.data, arguments.tables, arguments.workers)
         if not arguments.no_figures:
-            draw_conclusions()
+            draw_conclusions(arguments.tables)
     except FvcollapseError as error:
         print(error, file=sys.stderr)
         return error.exit_status
@@ -91,41 +91,45 @@ def expense(case):
     return steps * case.grid.cell_size**-2.5 * (1.0 + case.geometry.slope_angle_deg / 10.0)
 
 
-def write_tables(wanted, data, folder):
+def write_tables(wanted, data, folder, workers):
     """Write the tables of all groups that were asked for; return a line for each run that is missing."""
     missing, of_group = [], {}
-    for run, (group, name, refinement, case) in tqdm(wanted.items(), unit="table row"):
-        found, lines = of_group.setdefault(group, ([], []))
-        first = {
-            "case": name,
-            "refinement": refinement,
-            "cell_size_mm": 1e3 * case.grid.cell_size,
-        }
-        try:
-            result = open_result(data / run / RESULT)
-        except InputError as error:
-            missing.append(str(error))
+    for (group, *_), (row, lines, problem) in zip(
+        wanted.values(), extracted(wanted, data, workers), strict=True
+    ):
+        if problem:
+            missing.append(problem)
             continue
-        if not result.complete:
-            missing.append(f"{data / run}: stopped at t = {result.time[-1]:.3f} s, see its run.log")
-            continue
-        found.append(first | scalars(result, cost(data / run)))
-        member = GROUPS[group][name]
-        lines += [tables.curve_row(first, of) for of in curves(result, member, refinement)]
-    for group, (found, lines) in of_group.items():
-        if found:
-            tables.write(folder / group / tables.SCALARS, tuple(found[0]), found)
-            tables.write(folder / group / tables.CURVES, tables.HEAD, lines)
+        found, curve_lines = of_group.setdefault(group, ([], []))
+        found.append(row)
+        curve_lines += lines
+    for group, (found, curve_lines) in of_group.items():
+        tables.write(folder / group / tables.SCALARS, tuple(found[0]), found)
+        tables.write(folder / group / tables.CURVES, tables.HEAD, curve_lines)
     return missing
 
 
-def draw_conclusions():
-    """Statements and figures from the tables of the repository."""
+def extracted(wanted, data, workers):
+    """What `rows_of_run` gives for each run, in their order, with a bar."""
+    jobs = [(data / run, *about) for run, about in wanted.items()]
+    with ExitStack() as stack:
+        bar = stack.enter_context(tqdm(total=len(jobs), unit="table row"))
+        over = map
+        if workers > 1:
+            pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
+            over = stack.enter_context(pool).map
+        for found in over(rows_of_run, jobs):
+            bar.update()
+            yield found
+
+
+def draw_conclusions(folder):
+    """Statements and figures from the tables alone."""
     from plots import paper
     from runs.paper import statements
 
-    statements.main()
-    paper.main()
+    statements.main(folder)
+    paper.main(folder)
 
 
 if __name__ == "__main__":
