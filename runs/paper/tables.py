@@ -128,10 +128,11 @@ class Tables:
     def value(self, case, column):
         """A number with its grid uncertainty, `Measured`.
 
-        The uncertainty is the difference to the grid 1.5 times finer. A case that was run on one
-        grid has that of mu(I) with the same slope and width.
+        The number is that of the finer grid, where there is one, and the uncertainty its difference
+        to the one 1.5 times coarser. A case that was run on the coarse grid alone has the
+        uncertainty of mu(I) with the same slope and width.
         """
-        value = self.row(case)[column]
+        value = self.row(case, FINE if self.on_both(case) else 1.0)[column]
         for name in (case, reference(case)):
             if self.on_both(name):
                 fine, coarse = self.row(name, FINE)[column], self.row(name)[column]
@@ -146,21 +147,23 @@ class Tables:
         """The number of `case` less that of `other`, `Measured`.
 
         Where both were run on both grids the uncertainty is that of the difference: what two runs
-        have in common does not count. Otherwise the two uncertainties are added as squares.
+        have in common does not count. Otherwise both numbers are those of the coarse grid, and the
+        two uncertainties are added as squares.
         """
         if self.on_both(case, other):
             return self.measure(lambda r: self.row(case, r)[column] - self.row(other, r)[column])
         ours, theirs = self.value(case, column), self.value(other, column)
         uncertainty = math.hypot(ours.uncertainty, theirs.uncertainty)
-        return Measured(ours.value - theirs.value, uncertainty)
+        return Measured(self.row(case)[column] - self.row(other)[column], uncertainty)
 
     def measure(self, function):
-        """`function(refinement)` on the coarse grid, its change to the finer one as uncertainty."""
-        value = function(1.0)
+        """`function(refinement)` on the finer grid, its change from the coarse one as uncertainty."""
+        coarse = function(1.0)
         try:
-            return Measured(value, abs(function(FINE) - value))
+            fine = function(FINE)
         except MissingRun:
-            return Measured(value)
+            return Measured(coarse)
+        return Measured(fine, abs(fine - coarse))
 
     def line(self, case, quantity, t=None, x=None, refinement=1.0):
         """The `Line` of a quantity, nearest to a time [s] and a place [m] where they matter.
