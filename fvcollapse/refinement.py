@@ -31,12 +31,11 @@ from fvcollapse.convergence import (
     spread,
     successive,
 )
-from fvcollapse.errors import CaseError, FvcollapseError, InputError, NumericalError, OutputError
+from fvcollapse.errors import CaseError, InputError, OutputError
 from fvcollapse.grid import spacing
 from fvcollapse.least_squares import fit
-from fvcollapse.members import run_member
+from fvcollapse.members import run_members
 from fvcollapse.result import open_result
-from fvcollapse.workers import refuse_workers, run_all
 
 
 def cell_root(result):
@@ -128,26 +127,6 @@ def member_case(case, axis, value, source="case"):
         raise CaseError(origin, error.key, error.found, error.allowed) from None
 
 
-def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
-    """Run what is not finished of {folder: case}; the first failure ends the study.
-
-    What is finished is kept; a member that was running leaves its checkpoint. The next call
-    continues both.
-    """
-
-    def finished(folder, outcome):
-        if isinstance(outcome, NumericalError):
-            raise NumericalError(f"{folder}: {outcome.what}", outcome.where, outcome.time)
-        if isinstance(outcome, FvcollapseError):
-            raise outcome
-        tell(f"{folder}: done")
-
-    # the finest takes longest: among several it starts first
-    folders = list(cases) if workers == 1 else list(reversed(cases))
-    calls = {folder: (cases[folder], folder, quiet or workers > 1) for folder in folders}
-    run_all(run, calls, finished, workers, quiet=quiet)
-
-
 # -- the study -----------------------------------------------------------------------------------
 
 
@@ -177,7 +156,8 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
     dict of dict
         {observable: record}, see `record`.
     """
-    refuse_workers(workers)
+    if workers < 1:
+        raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
     folder, ordered = Path(folder), checked_values(axis, values)
     cases = {
         folder / f"{axis}_{value:.12g}": member_case(case, axis, value, source) for value in ordered
@@ -186,7 +166,7 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
-    run_members(cases, workers, quiet, tell=tell)
+    run_members(cases, min(workers, len(cases)), quiet, tell=tell)
     return study(axis, ordered, [open_result(member) for member in cases])
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from fvcollapse.errors import FvcollapseError, InputError, OutputError
-from fvcollapse.refinement import run_members
+from fvcollapse.members import run_members
 from runs.paper import tables
 from runs.paper.cases import GROUPS, runs
 from runs.paper.members import rows_of_run, run_one

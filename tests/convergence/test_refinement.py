@@ -16,7 +16,8 @@ from fvcollapse.case import Case
 from fvcollapse.convergence import convergence
 from fvcollapse.drawing import new_figure, png
 from fvcollapse.errors import NumericalError
-from fvcollapse.refinement import UNITS, member_case, run_members
+from fvcollapse.members import run_members
+from fvcollapse.refinement import UNITS, member_case
 
 DRAW = refinement_report.draw_png
 SIZES = ["0.01", "0.02", "0.014"]
