@@ -21,7 +21,7 @@ from numba import njit
 from tqdm import tqdm
 
 from fvcollapse.case import Case, case_from_text
-from fvcollapse.errors import InputError
+from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files import write_atomic
 from fvcollapse.output import run_case
 from fvcollapse.simulation import Simulation
@@ -76,10 +76,12 @@ class TimedSimulation(Simulation):
         super().__init__(case, state)
         self.seconds = dict.fromkeys(TERMS, 0.0)
         self.sweeps = self.unknowns = self.cells = self.steps = 0
+        self.began = self.ended = self.probing = 0.0
         self.sweep_parts = []
 
     def advance(self, time_limit):
         """One step, counted."""
+        self.began = self.began or time.perf_counter()
         record = super().advance(time_limit)
         cells = np.count_nonzero(self.geometry.filled)
         self.sweeps += record.sweeps
@@ -87,7 +89,10 @@ class TimedSimulation(Simulation):
         self.cells += cells
         self.steps += 1
         if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
+            start = time.perf_counter()
             self.sweep_parts.append(time_sweep(self))
+            self.probing += time.perf_counter() - start
+        self.ended = time.perf_counter()
         return record
 
 
@@ -173,23 +178,20 @@ def member(case_text):
 
     output.Simulation = simulation
     with tempfile.TemporaryDirectory() as folder:
-        start = time.perf_counter()
         run_case(case, Path(folder) / "run", quiet=True)
-        whole = time.perf_counter() - start
     (timed,) = made
-    return figures(timed, whole)
+    return figures(timed)
 
 
-def figures(timed, whole):
-    """The row of one case."""
-    probes = sum(sum(part[name] for name in PARTS) for part in timed.sweep_parts) * REPEATS
+def figures(timed):
+    """The row of one case; the loop begins with the first step and ends with the last."""
     sizes = {
         name: np.mean([part[name] for part in timed.sweep_parts])
         for name in ("unknowns", "coefficients_read")
     }
     sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
     traffic = sweep_bytes * timed.unknowns / sizes["unknowns"]
-    wall = whole - probes
+    wall = timed.ended - timed.began - timed.probing
     share = {TERMS[name]: seconds / wall for name, seconds in timed.seconds.items()}
     share["recording and the rest"] = 1.0 - sum(share.values())
     return {
@@ -226,8 +228,10 @@ def run_member(case, cache=None):
         capture_output=True,
         text=True,
         env=environment,
-        check=True,
     )
+    if done.returncode != 0:
+        reason = done.stderr.strip().splitlines()[-1:] or [f"exit status {done.returncode}"]
+        raise NumericalError(f"a case of the benchmark failed: {reason[0]}")
     return json.loads(done.stdout) | {"command_s": time.perf_counter() - start}
 
 

@@ -421,7 +421,12 @@ class Simulation:
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
         mark_known(
-            known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1]
+            known_u,
+            known_w,
+            self.geometry,
+            self.work.constrained,
+            self.case.numerics.film_thickness,
+            self.spacing[1],
         )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)

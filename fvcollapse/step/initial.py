@@ -8,6 +8,7 @@ from ..grid import Grid, gate_column, spacing
 from ..state import State
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta
+ON_SURFACE = 1.0e-12  # distance in cells below which a node counts as on the surface
 MARGIN = 8  # empty cells kept between the surface and the end of the grid
 
 
@@ -50,8 +51,12 @@ def initial_level_set(case, grid):
 def initial_state(case, grid):
     """State at rest with the initial level set and no pressure yet."""
     nx, nz = grid.nx, grid.nz
+    phi = initial_level_set(case, grid)
+    # a node on the surface is wet: of a corner that falls on a node half a cell would be cut off
+    touch = ON_SURFACE * min(grid.dx, grid.dz)
+    phi[np.abs(phi) < touch] = -touch
     return State(
-        initial_level_set(case, grid),
+        phi,
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz)),
