@@ -27,11 +27,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from fvcollapse.convergence import HIGHEST_ORDER, LOWEST_ORDER, SAFETY, SAFETY_UNKNOWN
+
 LEAST_VALUES = 4
 ORDERS = np.linspace(-4.0, 8.0, 61)  # searched
-LOWEST_ORDER, HIGHEST_ORDER, TRUSTED_ORDER = 0.5, 2.0, 2.1
+TRUSTED_ORDER = 2.1
 FIXED = {"h": (1.0,), "h^2": (2.0,), "h + h^2": (1.0, 2.0)}
-SAFETY, SAFETY_UNKNOWN = 1.25, 3.0
 
 
 class Fit(NamedTuple):
