@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections import Counter, deque
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -34,6 +35,7 @@ from fvcollapse.fingerprint import solver_version
 ATTEMPTS = 3  # a run whose worker dies this often is given up
 DEAD = object()  # the outcome of a call whose worker died, or was told to stop
 CONNECT = 10.0  # s to wait for a scheduler
+TO_SAVE = 30.0  # s that a run has to finish its step and save; a second signal stops it at once
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -182,7 +184,7 @@ def processes(workers):
     before = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
     with one_thread(), interrupted_by_sigterm():
-        pool = ProcessPoolExecutor(workers, context, leave_interrupts_to_the_parent)
+        pool = ProcessPoolExecutor(workers, context, begin_worker)
         try:
             yield pool
         except BaseException:
@@ -258,8 +260,23 @@ def interrupt(number, frame):
     raise KeyboardInterrupt
 
 
-def leave_interrupts_to_the_parent():
-    """Keep Ctrl-C from a worker: it gets one signal, from the parent, that it answers by saving."""
+def begin_worker():
+    """Keep Ctrl-C from a worker, and end it with its parent.
+
+    It gets one signal, from the parent, that it answers by saving.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if os.name == "posix":
         os.setpgid(0, 0)  # a marching run has its own handler of SIGINT, which this keeps idle
+    threading.Thread(target=end_with_the_parent, daemon=True).start()
+
+
+def end_with_the_parent():
+    """Wait for the death of the parent, then let a marching run save its state and end the worker.
+
+    A worker without a parent would wait for its next call for ever.
+    """
+    multiprocessing.parent_process().join()
+    while True:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(TO_SAVE)

@@ -54,6 +54,18 @@ def die_once(folder, name, number):
     return name
 
 
+def tell_process_and_sleep(folder):
+    (Path(folder) / f"{os.getpid()}").touch()
+    time.sleep(120.0)
+
+
+def run_two_sleepers(folder):
+    from fvcollapse.workers import run_all
+
+    calls = {n: (folder,) for n in range(2)}
+    run_all(tell_process_and_sleep, calls, lambda name, outcome: None, workers=2)
+
+
 def done(folder):
     """The names that have ended."""
     path = folder / "ends"

@@ -1,12 +1,14 @@
 """Many calls at once: outcomes, threads, workers that die, folders that are held."""
 
 import io
+import multiprocessing
 import os
 import signal
 import sys
 import threading
 import time
 from collections import Counter
+from pathlib import Path
 
 import fake_tasks
 import pytest
@@ -130,6 +132,34 @@ def test_sigterm_ends_the_study(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run_all(fake_tasks.die_once, calls, finished, workers=2)
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    parent = multiprocessing.get_context("spawn").Process(
+        target=fake_tasks.run_two_sleepers, args=(tmp_path,)
+    )
+    parent.start()
+    wait_for(lambda: len(list(tmp_path.iterdir())) == 2)
+    parent.kill()
+    parent.join()
+    children = [int(path.name) for path in tmp_path.iterdir()]
+    wait_for(lambda: not any(map(is_alive, children)))
+
+
+def wait_for(condition):
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def is_alive(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    status = Path(f"/proc/{process}/stat")  # a zombie is dead, whoever has to collect it
+    return not (status.exists() and status.read_text().rpartition(")")[2].split()[0] == "Z")
 
 
 # -- folders -------------------------------------------------------------------------------------
