@@ -277,7 +277,7 @@ def written(tmp_path):
 
 
 def test_numbers_and_their_uncertainty(written):
-    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.1))
+    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.1))  # finer grid
     assert written.value("back0.18_a22_w10", "value") == pytest.approx((0.7, 0.1))  # of muI
     assert math.isnan(written.value("muI_a22_w10", "nothing").value)
     assert written.cell_size("muI_a22_w10", 1.5) == 4.0
