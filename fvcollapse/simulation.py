@@ -30,7 +30,7 @@ from .step.geometry import (
     repeat_columns,
     wetted_edge,
 )
-from .step.initial import HALO, MARGIN, initial_grid, initial_state
+from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
 from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
 from .step.rheology import material
@@ -474,7 +474,7 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = level_set.volume(state.level_set) * self.spacing[0] * self.spacing[1]
+        state.volume_0 = initial_volume(state.level_set, self.grid)
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(

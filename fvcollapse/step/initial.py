@@ -6,6 +6,7 @@ import numpy as np
 
 from ..grid import Grid, gate_column, spacing
 from ..state import State
+from .level_set import volume
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta
 ON_SURFACE = 1.0e-12  # distance in cells below which a node counts as on the surface
@@ -48,15 +49,21 @@ def initial_level_set(case, grid):
     return np.where((beyond > 0.0) & (above > 0.0), corner, np.maximum(beyond, above))
 
 
+def initial_volume(level_set, grid):
+    """Volume per unit width of the column, m2; a node on the surface counts as wet.
+
+    Else half a cell would be missing where the corner of the column falls on a node: the surface
+    takes it back as soon as it moves, and the correction of the volume would take it away again.
+    """
+    touch = ON_SURFACE * min(grid.dx, grid.dz)
+    return volume(np.where(np.abs(level_set) < touch, -touch, level_set)) * grid.dx * grid.dz
+
+
 def initial_state(case, grid):
     """State at rest with the initial level set and no pressure yet."""
     nx, nz = grid.nx, grid.nz
-    phi = initial_level_set(case, grid)
-    # a node on the surface is wet: of a corner that falls on a node half a cell would be cut off
-    touch = ON_SURFACE * min(grid.dx, grid.dz)
-    phi[np.abs(phi) < touch] = -touch
     return State(
-        phi,
+        initial_level_set(case, grid),
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz)),
