@@ -236,9 +236,9 @@ def run_member(case, cache=None):
 
 
 def compile_times():
-    """Wall time of a few steps on a coarse grid: with nothing compiled, and with everything on the disk, s."""
+    """Wall time of a short coarse run that calls every kernel: with nothing compiled, and with all on the disk, s."""
     case = Case().replace(
-        **{"grid.cell_size": 0.03, "effects.lateral_friction": {}, "time.end": 1e-4}
+        **{"grid.cell_size": 0.03, "effects.lateral_friction": {}, "time.end": 0.05}
     )
     with tempfile.TemporaryDirectory() as cache:
         cold = run_member(case, cache)["command_s"]
