@@ -32,9 +32,9 @@ STARTED = "start from t = 0"
 
 @pytest.fixture
 def calls(tmp_path):
-    """Five runs of some seconds each."""
-    case = Case().replace(**{"grid.cell_size": 0.014, "time.end": 1.2})
-    slopes = (0, 5, 10, 15, 20)
+    """Three runs of some seconds each."""
+    case = Case().replace(**{"grid.cell_size": 0.014, "time.end": 0.8})
+    slopes = (0, 10, 20)
     cases = {f"{n}": case.replace(**{"geometry.slope_angle_deg": n}) for n in slopes}
     return {name: (case, tmp_path / "runs" / name) for name, case in cases.items()}
 
@@ -63,7 +63,7 @@ def scheduler(tmp_path):
             program.wait()
 
 
-def wait_for(condition, limit=120.0):
+def wait_for(condition, limit=900.0):  # on a busy machine compilation takes minutes
     end = time.monotonic() + limit
     while not condition():
         assert time.monotonic() < end
@@ -166,7 +166,7 @@ def test_lost_scheduler_is_one_line_and_the_runs_continue_without_it(calls, sche
 def test_cache_filled_by_two_processes_one_of_which_is_killed(calls, tmp_path):
     folder = tmp_path / "cache"
     folder.mkdir()
-    cases = {name: case for name, (case, _) in calls.items() if name in ("0", "10", "20")}
+    cases = {name: case for name, (case, _) in calls.items()}
     runs = RunCache(folder)
     context = multiprocessing.get_context("spawn")
     fillers = [context.Process(target=fill_cache, args=(folder, cases)) for _ in range(2)]
