@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from fvcollapse import case_effects
 from fvcollapse.case_keys import (
     Section,
     as_table,
@@ -215,13 +216,22 @@ class LateralFriction(Section):
     mu_wall: Annotated[
         float, key("-", "friction coefficient on the lateral walls", ge=0, le=10)
     ] = 0.18
+    pressure_ratio: Annotated[
+        float, key("-", "K_w: the pressure on the lateral walls is K_w p", ge=0, le=10)
+    ] = 1.0
     closure: Annotated[
-        Literal["sink", "friction_increase"],
-        key("-", "sink of momentum, or the older increase of mu_1 and mu_2"),
+        Literal["sink", "sink_weakening", "friction_increase"],
+        key("-", "sink of momentum, it weakening with depth, or an increase of mu_1 and mu_2"),
     ] = "sink"
+    deep_ratio: Annotated[
+        float, key("-", "sink_weakening: friction far below the surface over mu_wall", ge=0, le=1)
+    ] = 0.5
+    weakening_depth: Annotated[
+        float, key("m", "sink_weakening: depth over which it falls by 1/e", gt=0, le=1000)
+    ] = 0.02
     scheme: Annotated[
         Literal["implicit", "split"],
-        key("-", "closure sink: in the solve, or before the projection"),
+        key("-", "closures with a sink: in the solve, or before the projection"),
     ] = "implicit"
     flowing_thickness: Annotated[
         float,
@@ -238,6 +248,12 @@ class Effects(Section):
     """What is added to the physics that the user believes; absent = off."""
 
     lateral_friction: LateralFriction | None = None
+    gate: case_effects.Gate | None = None
+    viscosity: case_effects.Viscosity | None = None
+    bed_friction: case_effects.BedFriction | None = None
+    cohesion: case_effects.Cohesion | None = None
+    erodible_bed: case_effects.ErodibleBed | None = None
+    transverse_profile: case_effects.TransverseProfile | None = None
 
 
 class Case(Section):

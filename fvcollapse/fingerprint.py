@@ -10,10 +10,13 @@ from fvcollapse.version import __version__
 # what the fields, the series and the profiles of a run depend on
 SOLVER = (
     "case.py",
+    "case_effects.py",
+    "effects.py",
     "grid.py",
     "state.py",
     "step",
     "simulation.py",
+    "observation.py",
     "observables.py",
     "recorder.py",
 )

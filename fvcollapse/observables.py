@@ -2,6 +2,8 @@
 
 Everything is a plain function of arrays or of (state, grid). Profiles live at the node abscissae
 x_i = i dx, x = 0 is the back wall and z = 0 the bed; the thickness h is measured normal to the bed.
+On an erodible bed all heights and the column volumes are measured from the initial surface of the
+layer: what a run reports is the pile, and an eroded place has a negative height.
 The pile is what h shows: grains that have left the bed (a splash) count in h where they are.
 """
 
@@ -10,11 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fvcollapse.case import GRAVITY
+from fvcollapse.observation import seen_place
+from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
-WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral")
+WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
 LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
 ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
@@ -200,9 +204,11 @@ def measure(state, grid, quantities, energies, case):
     """
     filled = quantities["filled_fraction"]
     x = grid.dx * np.arange(grid.nx + 1)
-    h = thickness(state.level_set, grid.dz)
+    layer = layer_thickness(case)
+    h = thickness(state.level_set, grid.dz) - layer
     column_volume = filled.sum(axis=1) * (grid.dx * grid.dz)
     kept = column_volume.sum() + state.volume_outflow
+    pile = np.maximum(column_volume - layer * grid.dx, 0.0) if layer > 0.0 else column_volume
     speed = speed_centre(state)
     flowing = filled * (speed > SPEED_STATIC)
     return {
@@ -210,9 +216,9 @@ def measure(state, grid, quantities, energies, case):
         "front_position": front_position(x, h, case.front.thickness),
         "front_1mm": front_position(x, h, 1.0e-3),
         "front_10mm": front_position(x, h, 1.0e-2),
-        "x_99": x_at_volume(x, column_volume, 0.99),
+        "x_99": x_at_volume(x, pile, 0.99),
         "max_thickness": float(h.max()),
-        "detached_volume": detached_volume(x, h),
+        "detached_volume": detached_volume(x, np.maximum(h, 0.0)),
         "relative_volume": float(kept / state.volume_0 - 1.0),
         "volume_correction": float(state.volume_correction / state.volume_0),
         "kinetic_energy": float(energies["kinetic"]),
@@ -265,6 +271,9 @@ class Observations:
 def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
 
+    The effects of the case that change what is seen and not what flows act here
+    (`fvcollapse.observation`); the series of the result itself are without them.
+
     Parameters
     ----------
     result : Result
@@ -289,6 +298,8 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
         velocity = front_velocity(profiles.time, position)
+    front[:, 1] = seen_place(front[:, 1], result.case)
+    profiles = profiles._replace(x=seen_place(profiles.x, result.case))
     stop = arrest_time(series["time"], series["max_speed"])
     scalars = {
         "runout": float(front[:, 1].max()),

@@ -12,14 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .case import GRAVITY
+from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import allocate_band
 from .step.energy import Outflow, loss_of_step, work_of_step
+from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import gate_height, open_fractions
+from .step.gate import fill_gate, gate_height, gate_lift, gate_velocity, open_fractions
 from .step.geometry import (
     allocate_geometry,
     fill_cells,
@@ -31,10 +33,11 @@ from .step.geometry import (
     wetted_edge,
 )
 from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
-from .step.lateral_friction import brake_before_solve
+from .step.lateral_friction import brake_before_solve, sink_constants
 from .step.momentum import advect_momentum
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
@@ -68,11 +71,13 @@ class Simulation:
     """
 
     def __init__(self, case, state=None):
-        self.case = case
+        self.case = case = with_effects(case)
         grid = initial_grid(case)
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
+        self.lift, self.layer = gate_lift(case), layer_thickness(case)
+        self.shape_factor = shape_factor_of(case)
         self.material = material(case)
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
@@ -200,16 +205,16 @@ class Simulation:
         )  # beyond the surface too
         dt = min(
             step_max,
-            limit_advection(fastest, case.time.cfl, h),
+            limit_advection(self.shape_factor * fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
-            limit_gate(case.gate.speed, moving, dz),
+            limit_gate(self.lift.speed, moving, dz),
         )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
     def gate_is_moving(self):
         """Whether the gate still touches the mass."""
-        height = gate_height(self.state.time, self.case.gate.speed, self.case.gate.time_constant)
-        return self.case.gate.speed > 0.0 and height < self.grid.nz * self.spacing[1]
+        height = gate_height(self.state.time, self.lift)
+        return self.lift.speed > 0.0 and height < self.grid.nz * self.spacing[1]
 
     def max_speed(self):
         """Largest velocity component on the faces of the grains, m/s."""
@@ -271,6 +276,7 @@ class Simulation:
             state.level_set,
             dt,
             *self.spacing,
+            self.shape_factor,
         )
         return u_star, w_star
 
@@ -295,8 +301,8 @@ class Simulation:
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
-        geometry, gate = self.geometry, self.case.gate
-        height = 0.0 if closed else gate_height(time, gate.speed, gate.time_constant)
+        geometry = self.geometry
+        height = self.lift.foot if closed else gate_height(time, self.lift)
         open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
         fill_cells(
             geometry.filled,
@@ -310,6 +316,10 @@ class Simulation:
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
+        if self.case.effects.gate is not None:
+            fill_gate(
+                geometry.gate_cover, self.state.level_set, geometry.aperture, self.gate_column
+            )
         fill_reach(geometry.reach, geometry.filled)
         self.ends = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
@@ -389,13 +399,7 @@ class Simulation:
     def _balance(self, dt, max_sweeps=None, tolerance=None):
         case, numerics = self.case, self.case.numerics
         walls = case.effects.lateral_friction
-        strength = 0.0
-        if (
-            walls is not None
-            and walls.closure == "sink"
-            and math.isfinite(case.geometry.channel_width)
-        ):
-            strength = 2.0 * walls.mu_wall / case.geometry.channel_width
+        strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
         scale = math.sqrt(GRAVITY * case.geometry.height_0)
         rate_start = (
             0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
@@ -415,6 +419,11 @@ class Simulation:
             0.01 * scale,
             max_sweeps or numerics.max_sweeps,
             rate_start,
+            deep_ratio,
+            weakening_depth,
+            self.gate_column,
+            gate_velocity(self.state.time + dt, self.lift),
+            case.effects.gate.mu_gate if case.effects.gate is not None else 0.0,
         )
 
     def _continue_velocity(self):
@@ -430,6 +439,8 @@ class Simulation:
         )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
+        if self.layer > 0.0:
+            state.u[-1] = 0.0  # the wall that closes the layer
         self._repeat(state.u, state.w)
         close_divergence(
             state.u,
@@ -455,7 +466,7 @@ class Simulation:
         wet = filled > 0.0
         extra_x = extra_z = 0
         right_end = self.case.boundary.right_end
-        if right_end == "grow" and wet[nx - MARGIN :].any():
+        if right_end == "grow" and self._is_near_end(wet):
             extra_x = GROWTH
         if right_end == "error" and wet[nx - 1].any():
             raise NumericalError(
@@ -468,7 +479,22 @@ class Simulation:
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
             self._allocate()
+            if extra_x and self.layer > 0.0:
+                extend_layer(self.state, extra_x, self.layer, self.grid.z_nodes, self.spacing[0])
             self._place(self.state.time)
+            if extra_x and self.layer > 0.0:
+                self._book_layer()
+
+    def _is_near_end(self, wet):
+        """Whether the grains come near the far end; those of an erodible layer, whether they move there."""
+        if self.layer > 0.0:
+            return moves_near_end(self.state, self.geometry, MARGIN)
+        return wet[len(wet) - MARGIN :].any()
+
+    def _book_layer(self):
+        """Energy of the layer by which the domain has grown: it has flowed in."""
+        before, self.energy = self.energy, self.energies()
+        self.state.energy_outflow += float(before["potential"] - self.energy["potential"])
 
     def _settle(self):
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
@@ -480,7 +506,7 @@ class Simulation:
         self._solve_coupled(
             np.zeros_like(state.u),
             np.zeros_like(state.w),
-            self._balance(1.0, max_sweeps=100, tolerance=1e-6),
+            self._balance(1.0, max_sweeps=100, tolerance=1e-6)._replace(gate_speed=0.0),
         )
         state.u[:] = 0.0
         state.w[:] = 0.0

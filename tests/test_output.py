@@ -32,6 +32,7 @@ SERIES = [
     "work_bed",
     "work_back_wall",
     "work_lateral",
+    "work_gate",
     "loss_time",
     "loss_advection",
     "loss_surface",

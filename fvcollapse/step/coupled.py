@@ -19,6 +19,7 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
+from .gate import gate_friction
 from .geometry import WET, last_face
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
@@ -30,7 +31,7 @@ MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full o
 
 
 class Balance(NamedTuple):
-    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w / w, 0 without lateral walls."""
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
 
     dt: float
     density: float
@@ -46,6 +47,11 @@ class Balance(NamedTuple):
     speed_scale: float
     max_sweeps: int
     rate_start: float
+    wall_deep_ratio: float
+    wall_weakening_depth: float
+    gate_column: int
+    gate_speed: float
+    mu_gate: float
 
 
 class Work(NamedTuple):
@@ -58,6 +64,8 @@ class Work(NamedTuple):
     k_bed: np.ndarray
     k_wall: np.ndarray
     wall_slip: np.ndarray
+    k_gate: np.ndarray
+    gate_slip: np.ndarray
     pressure_x: np.ndarray
     pressure_z: np.ndarray
     sink_x: np.ndarray
@@ -89,6 +97,8 @@ def allocate_work(nx, nz):
         np.zeros((nx, nz)),
         np.zeros((nx + 1, nz + 1)),
         np.zeros(nx + 1),
+        np.zeros(nz + 1),
+        np.zeros(nz + 1),
         np.zeros(nz + 1),
         np.zeros(nz + 1),
         np.zeros((nx + 1, nz)),
@@ -141,8 +151,29 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         balance.mu_back_wall,
         dx,
     )
+    if balance.mu_gate > 0.0:
+        gate_friction(
+            work.k_gate,
+            work.gate_slip,
+            w,
+            pressure_filled,
+            work.weight_centre,
+            work.e_centre,
+            geometry,
+            material,
+            balance,
+            dx,
+        )
     if balance.wall_strength > 0.0:
-        face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+        face_pressures(
+            work.pressure_x,
+            work.pressure_z,
+            pressure_filled,
+            geometry,
+            balance.wall_deep_ratio,
+            balance.wall_weakening_depth,
+            dz,
+        )
         sink_coefficients(
             work.sink_x,
             work.sink_z,
@@ -183,6 +214,9 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                 if i == 0:
                     band[n, 0] += work.k_wall[k] / dx
                 rhs[n] = m * w_star[i, k] + balance.density * balance.gz * mass
+                if i == balance.gate_column - 1:
+                    band[n, 0] += work.k_gate[k] / dx
+                    rhs[n] += work.k_gate[k] / dx * balance.gate_speed
 
 
 @njit(cache=True)
@@ -338,6 +372,8 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                     + friction * w[i, k]
                     - balance.density * balance.gz * mass
                 )
+                if i == balance.gate_column - 1:
+                    residual[iw[i, k]] += work.k_gate[k] / dx * (w[i, k] - balance.gate_speed)
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0
     for n in range(residual.size):

@@ -67,7 +67,8 @@ def material(case):
     walls = case.effects.lateral_friction
     extra = 0.0
     if walls is not None and walls.closure == "friction_increase":
-        extra = walls.mu_wall * walls.flowing_thickness / case.geometry.channel_width
+        wall = walls.mu_wall * walls.pressure_ratio
+        extra = wall * walls.flowing_thickness / case.geometry.channel_width
     mu_1, mu_2 = rheology.mu_1 + extra, rheology.mu_2 + extra
     law = LAWS[rheology.law]
     I_1 = A_minus = 0.0
