@@ -7,7 +7,6 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
-from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
@@ -19,7 +18,9 @@ from fvcollapse.case_keys import (
     closest,
     key,
     key_table,
+    parse_toml,
     plain,
+    read_text,
     refusal_of_type,
     show,
     table_names,
@@ -313,23 +314,13 @@ def load_case(path, overrides=()):
     CaseError
         One line that names file, key, what was found and what is allowed.
     """
-    try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"a byte that is not UTF-8 at offset {error.start}"
-        raise CaseError(path, "file", found, "UTF-8 text") from None
-    except (OSError, ValueError) as error:
-        problem = (getattr(error, "strerror", None) or str(error)).lower()
-        raise CaseError(path, "file", problem, "a readable TOML file") from None
+    text = read_text(path, "TOML", CaseError)
     return case_from_text(text, path, overrides)
 
 
 def case_from_text(text, source="case", overrides=()):
     """The case in a TOML text; `source` is the file name that errors give."""
-    try:
-        table = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # broken, a number too long, nested too deep
-        raise CaseError(source, "file", f"broken TOML: {error}", "valid TOML") from None
+    table = parse_toml(text, source, CaseError)
     overridden = set()
     for override in overrides:
         path, equals, value = (part.strip() for part in override.partition("="))

@@ -98,9 +98,7 @@ class FrontSaltation(Section):
 class Tilt(Section):
     """Error of the slope: the bed of the laboratory is not inclined as stated."""
 
-    angle_deg: Annotated[float, key("deg", "added to geometry.slope_angle_deg", ge=-30, le=30)] = (
-        0.0
-    )
+    angle_deg: Annotated[float, key("deg", "added to geometry.slope_angle_deg", ge=-3, le=3)] = 0.0
 
 
 class ColumnSize(Section):

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from fvcollapse.effects import with_effects
 from fvcollapse.step.erodible_bed import layer_thickness
@@ -146,7 +147,8 @@ def largest(field, name):
 def colour_bar(figure, panels, name, top):
     """Colour bar beside a column of panels."""
     scale = ScalarMappable(norm(name, top), COLOURMAP[name])
-    figure.colorbar(scale, ax=list(panels), label=LABEL[name], fraction=0.05, pad=0.02)
+    ticks = MaxNLocator(5)  # more would overlap at the compressed end of the scale
+    figure.colorbar(scale, ax=list(panels), label=LABEL[name], fraction=0.05, pad=0.02, ticks=ticks)
 
 
 def draw_gate(axes, case, time, origin=0.0):

@@ -25,6 +25,8 @@ class Prior(NamedTuple):
         general knowledge, not verified, good for a wide prior only.
     source : str
         Where the values come from.
+    strong_end : str
+        "high" or "low": at which end of the distribution the effect is strongest.
     """
 
     kind: str
@@ -32,6 +34,7 @@ class Prior(NamedTuple):
     second: float
     grade: str
     source: str
+    strong_end: str = "high"
 
     def distribution(self):
         """The frozen distribution of scipy.stats; its `ppf` is the quantile coordinate."""
@@ -40,6 +43,11 @@ class Prior(NamedTuple):
         if self.kind == "uniform":
             return stats.uniform(self.first, self.second - self.first)
         return getattr(stats, {"normal": "norm"}.get(self.kind, self.kind))(self.first, self.second)
+
+    def at(self, strength):
+        """Value at a strength in (0, 1): the quantile, counted from the end of the weak effect."""
+        quantile = strength if self.strong_end == "high" else 1.0 - strength
+        return float(self.distribution().ppf(quantile))
 
 
 class Effect(NamedTuple):
@@ -64,6 +72,12 @@ class Effect(NamedTuple):
     priors: dict
     absorbed_in: tuple = ()
     variants: tuple = ({},)
+
+    def keys(self, strength, variant=None):
+        """Keys of the section with every parameter at one strength in (0, 1); default: the first variant."""
+        variant = self.variants[0] if variant is None else variant
+        values = {name: prior.at(strength) for name, prior in self.priors.items()}
+        return {name: value for name, value in (values | variant).items() if value is not None}
 
 
 CATALOGUE = {
@@ -97,7 +111,9 @@ CATALOGUE = {
     "gate": Effect(
         PHYSICAL,
         {
-            "speed": Prior("loguniform", 0.5, 2.5, "A", "0.7 and 0.8 m/s; 2.3 m/s in the paper"),
+            "speed": Prior(
+                "loguniform", 0.5, 2.5, "A", "0.7 and 0.8 m/s; 2.3 m/s in the paper", "low"
+            ),
             "time_constant": Prior("uniform", 0.0, 0.15, "A", "0.06 s (gravel), 0.13 s (beads)"),
             "mu_gate": Prior("uniform", 0.0, 0.3, "A", "0.18, 0.23; none in the paper's model"),
             "delay": Prior(
@@ -132,6 +148,7 @@ CATALOGUE = {
                 0.48,
                 "A",
                 "smooth plate, as beads on a lateral wall (0.18-0.25), to the friction of the grains",
+                "low",
             ),
         },
         absorbed_in=("rheology.mu_1", "boundary.mu_bed"),

@@ -22,6 +22,8 @@ WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
 LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
 ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
+# numbers that an experiment may give instead of, or beside, curves
+SCALAR_UNITS = {"runout": "m", "final_height": "m", "time_stop": "s", "peak_front_velocity": "m/s"}
 
 
 def thickness(level_set, dz):
@@ -152,6 +154,19 @@ def front_velocity(time, front):
     return velocity
 
 
+def peak_front_velocity(time, velocity):
+    """(value [m/s], time [s]) of the largest front velocity whose window is not cut at an end.
+
+    A one-sided slope is no peak; it counts only where the record is shorter than a window.
+    """
+    half = 0.5 * VELOCITY_WINDOW
+    centred = (time >= time[0] + half) & (time <= time[-1] - half)
+    if not centred.any():
+        centred = np.ones(len(time), dtype=bool)
+    peak = int(np.argmax(np.where(centred, velocity, -np.inf)))
+    return float(velocity[peak]), float(time[peak])
+
+
 def arrest_time(time, max_speed):
     """First time after which nothing reaches 1 mm/s any more [s]; None if still moving."""
     moving = np.flatnonzero(np.asarray(max_speed) >= SPEED_REST)
@@ -232,8 +247,8 @@ class Observations:
     """Simulated quantities in the form of an experiment folder; SI units.
 
     `front` (n, 2) is time and position; `profiles` and `interface` (n, 3) are time, x and height;
-    `volume` (n, 2) is time and relative change; `scalars` maps runout, final_height and time_stop
-    (None: still moving) to a number.
+    `volume` (n, 2) is time and relative change; `scalars` maps the names of `SCALAR_UNITS` to a number
+    (time_stop None: still moving).
     """
 
     front: np.ndarray
@@ -248,13 +263,12 @@ class Observations:
         rows += [("thickness", t, x, value, "m") for t, x, value in self.profiles]
         rows += [("volume", t, None, value, "1") for t, value in self.volume]
         rows += [("static_height", t, x, value, "m") for t, x, value in self.interface]
-        units = {"time_stop": "s"}
         return rows + [
-            (name, None, None, value, units.get(name, "m")) for name, value in self.scalars.items()
+            (name, None, None, value, SCALAR_UNITS[name]) for name, value in self.scalars.items()
         ]
 
 
-def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
+def observe(result, experiment=None, *, front_thickness=None, time_origin=None, case=None):
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
 
     The effects of the case that change what is seen and not what flows act here
@@ -271,25 +285,35 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
         step. Another one is read off the stored profiles.
     time_origin : float, optional
         Simulated time that counts as t = 0 [s]; default 0. The effect `time_origin` adds to it.
+    case : Case, optional
+        Case whose effects of the observation act; default: that of the result. The result must be
+        of the same flow (`observation.flow_case`).
     """
     if front_thickness is None:
         front_thickness = getattr(experiment, "front_thickness", None)
     if time_origin is None:
         time_origin = getattr(experiment, "time_origin", 0.0)
+    case = result.case if case is None else case
     profiles, series = result.profiles, result.series
     if front_thickness is None or front_thickness == result.case.front.thickness:
         front = np.column_stack([series["time"], series["front_position"]])
+        velocity = series["front_velocity"]
     else:
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
-    front[:, 1] = seen_front(*front.T, result.case)
-    profiles = profiles._replace(x=seen_place(profiles.x, result.case))
-    time_origin += seen_time_origin(result.case)
+        velocity = front_velocity(profiles.time, position)
+    seen = seen_front(*front.T, case)
+    if not np.array_equal(seen, front[:, 1]):
+        velocity = front_velocity(front[:, 0], seen)
+    front[:, 1] = seen
+    profiles = profiles._replace(x=seen_place(profiles.x, case))
+    time_origin += seen_time_origin(case)
     stop = arrest_time(series["time"], series["max_speed"])
     scalars = {
         "runout": float(front[:, 1].max()),
         "final_height": float(series["max_thickness"][-1]),
         "time_stop": None if stop is None else stop - time_origin,
+        "peak_front_velocity": peak_front_velocity(front[:, 0], velocity)[0],
     }
     volume = np.column_stack([series["time"], series["relative_volume"]])
     shift = np.array([time_origin, 0.0])

@@ -8,14 +8,29 @@
   bound, since a real front is fed from behind.
 - `front_saltation`: beads detach ahead of the front and are taken for it: a bias, and a scatter that
   lasts as long as the flight of a bead. Both set in as the front travels the first height of the
-  column, for before it moves no bead can detach.
+  column, for before it moves no bead can detach. Profiles and volume are seen without them.
 - `time_origin`: the clock of the measurement started after the gate.
+
+None of them changes the flow, so that one run serves all their strengths: that of `flow_case`,
+given to `observe` together with the case itself.
 """
 
 import numpy as np
+from msgspec.structs import replace
 
 from fvcollapse.effects import with_effects
 from fvcollapse.step.transverse_profile import view_factor
+
+TONES = 256  # of the scatter; its correlation is exact to 1/sqrt(2 TONES) for each seed
+
+
+def flow_case(case):
+    """The case whose run serves `case` as well: without what only the observation knows of."""
+    effects, profile = case.effects, case.effects.transverse_profile
+    if profile is not None:
+        profile = replace(profile, view="average")
+    effects = replace(effects, front_saltation=None, time_origin=None, transverse_profile=profile)
+    return replace(case, effects=effects)
 
 
 def seen_place(x, case):
@@ -42,14 +57,14 @@ def seen_front(time, front, case):
 def correlated_scatter(time, correlation_time, seed):
     """Gaussian scatter (n,) of unit variance whose correlation falls as exp(-t/correlation_time).
 
-    An Ornstein-Uhlenbeck process sampled at the given times, always the same for one seed.
+    A function of time and seed alone, so that it does not depend on the time steps of a run: tones
+    whose frequencies are drawn from the spectrum of that correlation, a Lorentzian, with random
+    phases (Shinozuka & Deodatis 1991, Appl. Mech. Rev. 44, 191).
     """
-    draws = np.random.default_rng(seed).standard_normal(len(time))
-    scatter = draws.copy()
-    for n in range(1, len(time)):
-        kept = np.exp(-(time[n] - time[n - 1]) / correlation_time)
-        scatter[n] = kept * scatter[n - 1] + np.sqrt(1.0 - kept * kept) * draws[n]
-    return scatter
+    draws = np.random.default_rng(seed)
+    frequency = draws.standard_cauchy(TONES) / correlation_time
+    phase = draws.uniform(0.0, 2.0 * np.pi, TONES)
+    return np.sqrt(2.0 / TONES) * np.cos(np.multiply.outer(time, frequency) + phase).sum(axis=1)
 
 
 def seen_time_origin(case):

@@ -32,7 +32,7 @@ from .step.geometry import (
     repeat_columns,
     wetted_edge,
 )
-from .step.initial import HALO, MARGIN, initial_grid, initial_state
+from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
 from .step.lateral_friction import brake_before_solve, sink_constants
 from .step.momentum import advect_momentum
 from .step.rheology import material
@@ -182,21 +182,7 @@ class Simulation:
         dx, dz = self.spacing
         self._repeat(state.level_set, state.u, state.w)
         correction = self._move_surface(dt)
-        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
-        advect_momentum(
-            u_star,
-            w_star,
-            state.u,
-            state.w,
-            state.bed_slip,
-            self.geometry.aperture,
-            start.level_set,
-            state.level_set,
-            dt,
-            dx,
-            dz,
-            self.shape_factor,
-        )
+        u_star, w_star = self._advect_momentum(start.level_set, dt)
         self._place(state.time + dt)
         balance = self._balance(dt)
         impulse = self._split_friction(u_star, w_star, balance)
@@ -274,6 +260,25 @@ class Simulation:
         )
         state.volume_correction += abs(added)
         return added
+
+    def _advect_momentum(self, old_level_set, dt):
+        """Velocity (u*, w*) after the mass between the old and the new surface has carried it for dt."""
+        state = self.state
+        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
+        advect_momentum(
+            u_star,
+            w_star,
+            state.u,
+            state.w,
+            state.bed_slip,
+            self.geometry.aperture,
+            old_level_set,
+            state.level_set,
+            dt,
+            *self.spacing,
+            self.shape_factor,
+        )
+        return u_star, w_star
 
     def _book_outflow(self, u_node, w_node, dt):
         """Volume and energy that cross an open end during the step."""
@@ -425,7 +430,12 @@ class Simulation:
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
         mark_known(
-            known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1]
+            known_u,
+            known_w,
+            self.geometry,
+            self.work.constrained,
+            self.case.numerics.film_thickness,
+            self.spacing[1],
         )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
@@ -490,7 +500,7 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = level_set.volume(state.level_set) * self.spacing[0] * self.spacing[1]
+        state.volume_0 = initial_volume(state.level_set, self.grid)
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(

@@ -238,6 +238,20 @@ def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
 
 
 @njit(cache=True)
+def assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
+    """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
+    band[:] = 0.0
+    add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
+    add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
+    add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
+    for i in range(work.constrained.shape[0]):
+        for k in range(work.constrained.shape[1]):
+            if not work.constrained[i, k]:
+                pressure_filled[i, k] = 0.0
+    add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+
+
+@njit(cache=True)
 def larger(a, b):
     """Maximum of a and b; NaN if b is NaN, which `max` would drop."""
     return a if b <= a else b
@@ -428,15 +442,7 @@ def solve(
         coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
         previous = friction
         friction = bed_force(work, u, geometry)
-        band[:] = 0.0
-        add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-        add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
-        add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
-        for i in range(work.constrained.shape[0]):
-            for k in range(geometry.reach[i]):
-                if not work.constrained[i, k]:
-                    pressure_filled[i, k] = 0.0
-        add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+        assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz)
         info = factorise(band, ends)
         if info != 0:
             break

@@ -7,8 +7,10 @@ import numpy as np
 from ..grid import Grid, gate_column, spacing
 from ..state import State
 from .erodible_bed import join_layer, layer_thickness
+from .level_set import volume
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta
+ON_SURFACE = 1.0e-12  # distance in cells below which a node counts as on the surface
 MARGIN = 8  # empty cells kept between the surface and the end of the grid
 
 
@@ -51,6 +53,16 @@ def initial_level_set(case, grid):
     return join_layer(column, above, beyond, z) if layer > 0.0 else column
 
 
+def initial_volume(level_set, grid):
+    """Volume per unit width of the column, m2; a node on the surface counts as wet.
+
+    Else half a cell would be missing where the corner of the column falls on a node: the surface
+    takes it back as soon as it moves, and the correction of the volume would take it away again.
+    """
+    touch = ON_SURFACE * min(grid.dx, grid.dz)
+    return volume(np.where(np.abs(level_set) < touch, -touch, level_set)) * grid.dx * grid.dz
+
+
 def initial_state(case, grid):
     """State at rest with the initial level set and no pressure yet."""
     nx, nz = grid.nx, grid.nz
@@ -69,7 +81,7 @@ def _extent(case):
         return tuple(np.max(np.asarray(geometry.polygon, float), axis=0))
     rise = 0.0
     if geometry.surface == "horizontal":
-        rise = 0.5 * geometry.length_0 * math.tan(math.radians(geometry.slope_angle_deg))
+        rise = 0.5 * geometry.length_0 * abs(math.tan(math.radians(geometry.slope_angle_deg)))
     return geometry.length_0, geometry.height_0 + rise
 
 

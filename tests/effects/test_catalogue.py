@@ -44,9 +44,19 @@ def test_priors_are_of_keys_and_within_their_limits(name):
         assert f"effects.{name}.{parameter}" in KEYS
         assert prior.grade in ("A", "A2", "comp", "C")
         assert prior.source
-        for quantile in (0.02, 0.5, 0.98):  # a value outside its limits would be refused
-            value = float(prior.distribution().ppf(quantile))
-            Case().replace(**{f"effects.{name}.{parameter}": value})
+        assert (prior.at(0.1) < prior.at(0.9)) == (prior.strong_end == "high")
+
+
+@pytest.mark.parametrize("slope", [0.0, 16.0, 22.0])
+@pytest.mark.parametrize("strength", [0.02, 0.5, 0.98])
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_strength_of_every_variant_is_a_case(name, strength, slope):
+    """A value outside the limits of its key would be refused."""
+    for variant in CATALOGUE[name].variants:
+        keys = CATALOGUE[name].keys(strength, variant)
+        changes = {f"effects.{name}": keys, "geometry.slope_angle_deg": slope}
+        effect = getattr(Case().replace(**changes).effects, name)
+        assert all(getattr(effect, key) == value for key, value in keys.items())
 
 
 @pytest.mark.parametrize("name", CATALOGUE)

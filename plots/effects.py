@@ -1,0 +1,100 @@
+"""One picture for each effect: front and final profile with and without it, at three slopes.
+
+python -m plots.effects [FOLDER OF THE TABLES]
+"""
+
+import sys
+from pathlib import Path
+
+from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL
+from plots.paper_style import FIGURES, key, panels, write_picture
+from runs.effects.study import BASELINE, CURVES, HERE, MEMBER, NUMBERS, SLOPES, STRENGTHS
+from runs.paper.tables import as_line, rows
+
+COLOURS = (BLUE, ORANGE, GREEN)  # of the variants
+LINES = dict(zip(STRENGTHS, (":", "--", "-"), strict=True))
+WITHOUT = {"color": "0.75", "lw": 3.0}
+ABOUT = {
+    PHYSICAL: "Effect {name}: front against time (above) and final profile (below) of collapses with it",
+    OBSERVATION: "Effect {name}, of the observation: the front that is measured (above) and the final "
+    "profile (below), after it",
+    NUISANCE: "Error of the set-up {name}: the front that is measured (above) and the final profile "
+    "(below), with it",
+}
+CAPTION = """
+{about} and without (grey), at 0, 16 and 22 deg, w = 10 cm, no other effect; front at 5 mm thickness. Strengths are
+quantiles {quantiles} of the physical prior: {values}. Cells {cell:g} mm. Numbers drawn: runs/effects/effects.csv,
+curves.csv.
+"""
+
+
+def draw(numbers, curves, name):
+    """The figure of one effect.
+
+    Parameters
+    ----------
+    numbers : list of dict
+        Rows of the effect in `effects.csv`.
+    curves : dict
+        {(effect, variant, strength, slope, quantity): Line}
+    name : str
+    """
+    figure, axes = panels(2, len(SLOPES), (10.5, 6.2))
+    variants = list(dict.fromkeys(row["variant"] for row in numbers))
+    for column, slope in enumerate(SLOPES):
+        for panel, quantity in zip(axes[:, column], ("front_m", "thickness_m"), strict=True):
+            draw_line(panel, curves.get((BASELINE, "", "", f"{slope}", quantity)), WITHOUT)
+            for variant, colour in zip(variants, COLOURS, strict=False):
+                for strength, line in LINES.items():
+                    found = curves.get((name, variant, strength, f"{slope}", quantity))
+                    draw_line(panel, found, {"color": colour, "ls": line, "lw": 1.3})
+        axes[0, column].set(title=f"{slope}°", xlabel="time (s)", xlim=(0.0, None))
+        axes[1, column].set(xlabel="distance from the back wall (m)", xlim=(0.0, None))
+    axes[0, 0].set_ylabel("front (m)")
+    axes[1, 0].set_ylabel("thickness (m)")
+    lines = {strength: {"color": "black", "ls": line} for strength, line in LINES.items()}
+    key(axes[0, 0], {"without": WITHOUT} | lines, loc="lower right")
+    if len(variants) > 1:
+        colours = {variant: {"color": c} for variant, c in zip(variants, COLOURS, strict=False)}
+        key(axes[1, 0], colours, loc="upper right")
+    return figure
+
+
+def draw_line(panel, line, style):
+    """A curve, if its run is there."""
+    if line is not None:
+        panel.plot(line.at, line.values, **style)
+
+
+def caption(numbers, name):
+    """What the picture shows, with the values of the parameters."""
+    values = []
+    for row in numbers:
+        if row["slope_deg"] == f"{SLOPES[0]}":
+            which = f"{row['variant']} {row['strength']}".strip()
+            values.append(f"{which} {row['parameters'].replace(' ', ', ')}")
+    return CAPTION.format(
+        about=ABOUT[CATALOGUE[name].kind].format(name=name),
+        quantiles=", ".join(f"{quantile:g}" for quantile in STRENGTHS.values()),
+        values="; ".join(values),
+        cell=float(numbers[0]["cell_size_mm"]),
+    )
+
+
+def main(tables=HERE, figures=FIGURES):
+    """Draw every effect that is in the tables."""
+    numbers = rows(tables / NUMBERS)
+    curves = {
+        (*(row[name] for name in MEMBER), row["quantity"]): as_line(row)
+        for row in rows(tables / CURVES)
+    }
+    for name in CATALOGUE:
+        found = [row for row in numbers if row["effect"] == name]
+        if found:
+            picture = draw(found, curves, name)
+            write_picture(picture, f"effects_{name}", caption(found, name), figures)
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:2]))

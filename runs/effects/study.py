@@ -1,0 +1,207 @@
+"""What each effect does to a collapse: three strengths, three slopes, w = 10 cm, nothing else on.
+
+    python -m runs.effects.study [--workers 2] [--data out/effects] [--cell-size 0.006]
+
+A strength is a quantile of the physical prior (`fvcollapse.effects`), of all parameters together,
+counted from the end where the effect is weak. Every effect of the catalogue is run in each of its
+variants; what is only seen of a flow needs no run of its own. Each run goes into its own folder
+below --data: what is finished there is not run again and what was interrupted continues; give
+another folder after a change of the solver. At the end `runs/effects/effects.csv` (numbers) and
+`curves.csv` (fronts, final profiles) are written, and the figures `plots/figures/effects_*` drawn.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse import observe, open_result
+from fvcollapse.case import Case
+from fvcollapse.effects import CATALOGUE, with_effects
+from fvcollapse.errors import FvcollapseError, InputError
+from fvcollapse.observation import flow_case
+from runs.paper import tables
+from runs.paper.extract import Curve
+from runs.paper.members import cost
+from runs.paper.study import compute
+
+HERE = Path(__file__).parent
+NUMBERS, CURVES = "effects.csv", "curves.csv"
+SLOPES = (0, 16, 22)  # deg
+STRENGTHS = {"weak": 0.15, "middle": 0.5, "strong": 0.9}
+BASELINE = "none"
+MEMBER = ("effect", "variant", "strength", "slope_deg")
+CURVE_HEAD = (*MEMBER, *tables.HEAD[tables.HEAD.index("quantity") :])
+FRONT_STEP, PROFILE_STEP = 0.02, 0.01  # s, m
+
+
+class Member(NamedTuple):
+    """One effect in one variant at one strength and slope; the baseline is the effect "none"."""
+
+    effect: str
+    variant: str
+    strength: str
+    slope: int
+    keys: dict
+    case: Case
+
+    @property
+    def name(self):
+        """Name of its folder."""
+        words = (self.effect, self.variant, self.strength, f"{self.slope}deg")
+        return "_".join(word for word in words if word)
+
+
+def main(argv=None):
+    """Run the study; return the exit status: 0 done, 1 some run failed, 2 bad input, 130 stopped."""
+    try:
+        arguments = parse(argv)
+        wanted = members(arguments.cell_size)
+        runs = shared_runs(wanted)
+        cases = {name: (case,) for name, case in runs.values()}
+        compute(cases, arguments.data, arguments.workers)
+        missing = write_tables(wanted, runs, arguments.data, arguments.tables)
+        if not arguments.no_figures:
+            from plots import effects
+
+            effects.main(arguments.tables, arguments.figures or effects.FIGURES)
+    except FvcollapseError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on", file=sys.stderr)
+        return 130
+    for line in missing:
+        print(line, file=sys.stderr)
+    return 1 if missing else 0
+
+
+def parse(argv):
+    """The arguments, checked."""
+    parser = argparse.ArgumentParser(
+        prog="python -m runs.effects.study", description=__doc__.split("\n")[0]
+    )
+    parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
+    parser.add_argument("--data", type=Path, default=Path("out/effects"), help="folder of the runs")
+    parser.add_argument("--cell-size", type=float, default=0.006, help="cells [m]; default 0.006")
+    parser.add_argument("--tables", type=Path, default=HERE, help="folder of the tables")
+    parser.add_argument("--figures", type=Path, help="folder of the figures; plots/figures")
+    parser.add_argument("--no-figures", action="store_true", help="stop after the tables")
+    arguments = parser.parse_args(argv)
+    if arguments.workers < 1:
+        raise InputError("command line", "--workers", f"{arguments.workers}", "a whole number >= 1")
+    return arguments
+
+
+# -- which runs ----------------------------------------------------------------------------------
+
+
+def members(cell_size):
+    """The baselines, and all effects in all variants and strengths, at every slope."""
+    base = {slope: baseline(slope, cell_size) for slope in SLOPES}
+    found = [Member(BASELINE, "", "", slope, {}, base[slope]) for slope in SLOPES]
+    for name, effect in CATALOGUE.items():
+        for variant in effect.variants:
+            for strength, quantile in STRENGTHS.items():
+                keys = effect.keys(quantile, variant)
+                found += [
+                    Member(
+                        name,
+                        variant_name(effect, variant),
+                        strength,
+                        slope,
+                        keys,
+                        base[slope].replace(**{f"effects.{name}": keys}),
+                    )
+                    for slope in SLOPES
+                ]
+    return found
+
+
+def baseline(slope, cell_size):
+    """The default collapse without any effect."""
+    case = Case().replace(**{"geometry.slope_angle_deg": float(slope), "grid.cell_size": cell_size})
+    return case.replace(**{"time.field_interval": case.time.end})
+
+
+def variant_name(effect, variant):
+    """What the variant chooses, else the parameters that only it has; nothing if there is but one."""
+    if len(effect.variants) == 1:
+        return ""
+    chosen = [value for value in variant.values() if isinstance(value, str)]
+    return "_".join(chosen or [name for name in effect.priors if variant.get(name, 0) is not None])
+
+
+def shared_runs(wanted):
+    """{what flows: (folder, case)}; members that differ in what is seen only have one run."""
+    found = {}
+    for member in wanted:
+        case = flow_case(member.case)
+        found.setdefault(with_effects(case), (member.name, case))
+    return found
+
+
+# -- what is kept of them ------------------------------------------------------------------------
+
+
+def write_tables(wanted, runs, data, folder):
+    """Write both tables; return a line for each run that is missing."""
+    missing, numbers, curves, base_cost = [], [], [], {}
+    for member in wanted:
+        place = data / runs[with_effects(flow_case(member.case))][0]
+        try:
+            result = open_result(place)
+        except InputError as error:
+            missing.append(str(error))
+            continue
+        if not result.complete:
+            missing.append(f"{place}: stopped at t = {result.time[-1]:.3f} s, see its run.log")
+            continue
+        spent = cost(place)
+        base_cost.setdefault(member.slope, spent)  # the baselines come first
+        seen = observe(result, case=member.case)
+        first = dict(zip(MEMBER, member[:4], strict=True))
+        numbers.append(
+            first | scalars(member, result, seen) | {"cost_factor": spent / base_cost[member.slope]}
+        )
+        curves += [tables.curve_row(first, curve) for curve in curves_of(seen)]
+    if numbers:
+        tables.write(folder / NUMBERS, tuple(numbers[0]), numbers)
+        tables.write(folder / CURVES, CURVE_HEAD, curves)
+    return missing
+
+
+def scalars(member, result, seen):
+    """Parameters and observables of one member, as they are seen."""
+    volume = result.relative_volume
+    values = {key: value for key, value in member.keys.items() if not isinstance(value, str)}
+    return {
+        "parameters": " ".join(f"{key}={value:.4g}" for key, value in values.items()),
+        "cell_size_mm": 1e3 * member.case.grid.cell_size,
+        "runout_m": seen.scalars["runout"],
+        "final_height_m": seen.scalars["final_height"],
+        "peak_front_velocity_m_s": seen.scalars["peak_front_velocity"],
+        "arrest_s": seen.scalars["time_stop"],
+        "relative_volume_end": float(volume[-1]),
+        "relative_volume_largest": float(volume[np.argmax(np.abs(volume))]),
+    }
+
+
+def curves_of(seen):
+    """Front against time on the clock of the measurement, and the last profile."""
+    time = FRONT_STEP * np.arange(int(seen.front[-1, 0] / FRONT_STEP + 1e-6) + 1)
+    front = np.interp(time, *seen.front.T)
+    last = seen.profiles[seen.profiles[:, 0] == seen.profiles[-1, 0]]
+    x = PROFILE_STEP * np.arange(int(last[-1, 1] / PROFILE_STEP) + 1)
+    h = np.interp(x, last[:, 1], last[:, 2])
+    x = x[: np.flatnonzero(np.abs(h) > 5e-4).max(initial=0) + 2]
+    return (
+        Curve("front_m", np.nan, np.nan, "t_s", 0.0, FRONT_STEP, front, 4),
+        Curve("thickness_m", last[-1, 0], np.nan, "x_m", 0.0, PROFILE_STEP, h[: len(x)], 4),
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
