@@ -77,7 +77,10 @@ class BedFriction(Section):
 
 
 class Cohesion(Section):
-    """Cohesion between the grains: a yield stress without pressure. The walls stay cohesionless."""
+    """Cohesion between the grains: a yield stress without pressure.
+
+    The walls stay cohesionless, and no cell pulls: the pressure remains >= 0.
+    """
 
     kappa_0: Annotated[
         float, key("Pa", "cohesion added to rheology.cohesion in the yield stress", ge=0, le=1e5)

@@ -42,7 +42,8 @@ class Prior(NamedTuple):
 
         if self.kind == "uniform":
             return stats.uniform(self.first, self.second - self.first)
-        return getattr(stats, {"normal": "norm"}.get(self.kind, self.kind))(self.first, self.second)
+        names = {"loguniform": "loguniform", "normal": "norm", "halfnormal": "halfnorm"}
+        return getattr(stats, names[self.kind])(self.first, self.second)
 
     def at(self, strength):
         """Value at a strength in (0, 1): the quantile, counted from the end of the weak effect."""

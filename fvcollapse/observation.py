@@ -8,7 +8,8 @@
   bound, since a real front is fed from behind.
 - `front_saltation`: beads detach ahead of the front and are taken for it: a bias, and a scatter that
   lasts as long as the flight of a bead. Both set in as the front travels the first height of the
-  column, for before it moves no bead can detach. Profiles and volume are seen without them.
+  column, for before it moves no bead can detach; when it has stopped, the last beads lie where they
+  fell. Profiles and volume are seen without them.
 - `time_origin`: the clock of the measurement started after the gate.
 
 None of them changes the flow, so that one run serves all their strengths: that of `flow_case`,
@@ -21,6 +22,7 @@ from msgspec.structs import replace
 from fvcollapse.effects import with_effects
 from fvcollapse.step.transverse_profile import view_factor
 
+AT_REST = 1.0e-3  # m; a front so near to its last place has stopped
 TONES = 256  # of the scatter; its correlation is exact to 1/sqrt(2 TONES) for each seed
 
 
@@ -50,7 +52,8 @@ def seen_front(time, front, case):
         return front
     geometry = with_effects(case).geometry
     progress = np.clip((front - geometry.length_0) / geometry.height_0, 0.0, 1.0)
-    scatter = correlated_scatter(time, effect.correlation_time, effect.seed)
+    stop = time[np.argmax(front > front.max() - AT_REST)]
+    scatter = correlated_scatter(np.minimum(time, stop), effect.correlation_time, effect.seed)
     return front + progress * (effect.bias + effect.spread * scatter)
 
 

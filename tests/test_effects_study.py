@@ -13,12 +13,17 @@ from runs.effects import study
 CELL = 0.02
 
 
+def short_baseline(slope, cell_size, whole=study.baseline):
+    return whole(slope, cell_size).replace(**{"time.end": 0.1, "time.field_interval": 0.1})
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """Folder of the tables and figures of a study of fake collapses, and the number of runs."""
     folder = tmp_path_factory.mktemp("study")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(output, "Simulation", FakeSimulation)
+        patch.setattr(study, "baseline", short_baseline)
         arguments = ["--workers", "1", "--data", folder / "data", "--tables", folder]
         arguments += ["--figures", folder / "figures", "--cell-size", CELL]
         assert study.main([str(word) for word in arguments]) == 0

@@ -66,6 +66,14 @@ def test_scatter_is_that_of_its_seed_whatever_the_time_steps(seed, steps):
     assert np.abs(scatter - correlated_scatter(fine, 0.05, seed + 1)).max() > 1e-3
 
 
+def test_when_the_front_has_stopped_so_have_its_beads():
+    time = np.linspace(0.0, 1.0, 101)
+    front = np.minimum(0.2 + time, 0.7)
+    seen = seen_front(time, front, case_with("front_saltation", spread=0.01))
+    assert np.ptp(seen[time > 0.5]) == 0.0
+    assert np.diff((seen - front)[(time > 0.2) & (time < 0.49)]).std() > 1e-4
+
+
 @settings(max_examples=30)
 @given(
     bias=st.floats(-0.1, 0.1),
