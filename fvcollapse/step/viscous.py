@@ -89,10 +89,20 @@ def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, 
 
 
 @njit(cache=True)
+def add_own(flat, width, a, value):
+    """Add value to the diagonal of the unknown a, where it exists, in the flat band."""
+    if a >= 0:
+        flat[a * width] += value
+
+
+@njit(cache=True)
 def add_pair(flat, width, a, b, value):
-    """Add value at the place of the unknowns a and b, where both exist (lower triangle), to the flat band."""
+    """Add value at the places (a, b) and (b, a) of the matrix, where both unknowns exist.
+
+    The band holds one of the two; in a periodic stretch one column long a and b are the same.
+    """
     if a >= 0 and b >= 0:
-        flat[min(a, b) * width + abs(a - b)] += value
+        flat[min(a, b) * width + abs(a - b)] += value if a != b else 2.0 * value
 
 
 @njit(cache=True)
@@ -115,12 +125,12 @@ def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
                 continue
             a_l, a_r = -open_left[k] / dx, open_right[k] / dx
             a, b, low, high = left[k], right[k], across[k], across[k + 1]
-            add_pair(flat, width, a, a, same * a_l * a_l)
-            add_pair(flat, width, b, b, same * a_r * a_r)
+            add_own(flat, width, a, same * a_l * a_l)
+            add_own(flat, width, b, same * a_r * a_r)
             add_pair(flat, width, a, b, same * a_l * a_r)
             along = same * per_z * per_z
-            add_pair(flat, width, low, low, along)
-            add_pair(flat, width, high, high, along)
+            add_own(flat, width, low, along)
+            add_own(flat, width, high, along)
             add_pair(flat, width, low, high, -along)
             crossed = mixed * per_z
             add_pair(flat, width, a, low, -crossed * a_l)
@@ -141,10 +151,10 @@ def add_nodes(band, weight_node, geometry, dx, dz):
             g = weight[k]
             if g > 0.0:
                 low, high, a, b = here[k - 1], here[k], before[k], after[k]
-                flat[low * width] += g * zz
-                flat[high * width] += g * zz
-                flat[a * width] += g * xx
-                flat[b * width] += g * xx
+                add_own(flat, width, low, g * zz)
+                add_own(flat, width, high, g * zz)
+                add_own(flat, width, a, g * xx)
+                add_own(flat, width, b, g * xx)
                 add_pair(flat, width, low, high, -g * zz)
                 add_pair(flat, width, a, b, -g * xx)
                 add_pair(flat, width, low, a, g * xz)
