@@ -27,7 +27,7 @@ from fvcollapse.files import write_atomic
 from fvcollapse.output import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import coupled
-from fvcollapse.step.banded import allocate_band, factorise, solve_factorised
+from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
 from fvcollapse.sweep import sweep
 from fvcollapse.version import __version__
 
@@ -129,7 +129,7 @@ for _name in TERMS:
 def time_sweep(simulation):
     """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
     state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
-    band, rhs = allocate_band(simulation.ends), np.empty(simulation.ends.size)
+    band, rhs = allocate_system(simulation.ends)
     balance, spacing = simulation._balance(state.dt), simulation.spacing
     fields = state.u, state.w, state.pressure_filled
 
@@ -140,7 +140,16 @@ def time_sweep(simulation):
 
     def assemble():
         coupled.assemble(
-            band, rhs, work, state.pressure_filled, state.u, state.w, geometry, balance, *spacing
+            band,
+            rhs,
+            simulation.ends,
+            work,
+            state.pressure_filled,
+            state.u,
+            state.w,
+            geometry,
+            balance,
+            *spacing,
         )
 
     parts = {"coefficients": best(coefficients), "assembly": best(assemble)}
@@ -148,7 +157,7 @@ def time_sweep(simulation):
     both = best(lambda: (assemble(), factorise(band, simulation.ends)))
     parts["factorisation"] = both - parts["assembly"]
     parts["substitution"] = best(lambda: solve_factorised(rhs, band, simulation.ends))
-    unknowns = rhs.size + np.count_nonzero(geometry.filled)
+    unknowns = simulation.ends.size + np.count_nonzero(geometry.filled)
     return parts | {"unknowns": unknowns, "coefficients_read": coefficients_read}
 
 

@@ -17,7 +17,7 @@ from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
-from .step.banded import allocate_band
+from .step.banded import allocate_system
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
@@ -98,6 +98,7 @@ class Simulation:
         nx, nz = self.state.pressure_filled.shape
         self.geometry = allocate_geometry(nx, nz, self.halo)
         self.work = coupled.allocate_work(nx, nz)
+        self.buffer = np.empty(0)
 
     def cell_quantities(self):
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
@@ -379,14 +380,17 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
+        band, rhs = allocate_system(self.ends, self.buffer)
+        if band.size > self.buffer.size:
+            self.buffer = band.reshape(-1)
         return coupled.solve(
             state.u,
             state.w,
             state.pressure_filled,
             state.bed_slip,
             self.work,
-            allocate_band(self.ends),
-            np.empty(self.ends.size),
+            band,
+            rhs,
             self.ends,
             u_star,
             w_star,

@@ -17,14 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .banded import factorise, solve_factorised
+from .banded import clear, factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
 from .geometry import WET, last_face
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
 from .strain import strain_rates
-from .viscous import add_incompressibility, add_viscous, divergence, viscosity_weights
+from .viscous import add_cells, add_nodes, divergence, viscosity_weights
 
 FRICTION_TOLERANCE = 0.01  # change of the bed's friction between two sweeps
 MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
@@ -238,12 +238,12 @@ def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
 
 
 @njit(cache=True)
-def assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
+def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
     """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
-    band[:] = 0.0
+    clear(band, ends)
     add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-    add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
-    add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
+    add_cells(band, work.weight_centre, work.constrained, balance.penalty, geometry, dx, dz)
+    add_nodes(band, work.weight_node, geometry, dx, dz)
     for i in range(work.constrained.shape[0]):
         for k in range(work.constrained.shape[1]):
             if not work.constrained[i, k]:
@@ -421,8 +421,8 @@ def solve(
     ----------
     u, w, pressure_filled, bed_slip : arrays
         In: first guess; out: solution on the unknown faces and wet cells.
-    band, rhs : (n, …), (n,) arrays
-        Scratch, from `allocate_band`.
+    band, rhs : (n + LANES, …), (n + LANES,) arrays
+        Scratch, from `allocate_system`.
     ends : (n,) int64 array
         Envelope of the matrix, from `number_unknowns`.
     u_star, w_star : arrays
@@ -442,7 +442,7 @@ def solve(
         coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
         previous = friction
         friction = bed_force(work, u, geometry)
-        assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz)
+        assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz)
         info = factorise(band, ends)
         if info != 0:
             break

@@ -24,7 +24,8 @@ class Geometry(NamedTuple):
     (gate); bed_cover (nx,), wall_cover (nz,), gate_cover (nz,): wetted part of each cell's stretch
     of the bed, of the back wall and of the closed gate; index_u, index_w: number of the unknown on
     each face, -1 where there is none; first, last: the columns [first, last) that are solved; all
-    of them, but for the halo of a periodic stretch; reach (nx + 1,): rows of the cells, faces and
+    of them, but for the halo of a periodic stretch; interior (nx+1, nz+1): nodes whose four faces
+    are all unknowns, the others lie on a wall, the gate or the surface; reach (nx + 1,): rows of the cells, faces and
     nodes of column i that can touch grains, so that the loops of the solve need not visit the air.
     """
 
@@ -39,6 +40,7 @@ class Geometry(NamedTuple):
     gate_cover: np.ndarray
     index_u: np.ndarray
     index_w: np.ndarray
+    interior: np.ndarray
     reach: np.ndarray
     first: int
     last: int
@@ -58,6 +60,7 @@ def allocate_geometry(nx, nz, halo=0):
         np.zeros(nz),
         np.full((nx + 1, nz), -1, np.int64),
         np.full((nx, nz + 1), -1, np.int64),
+        np.zeros((nx + 1, nz + 1), np.bool_),
         np.zeros(nx + 1, np.int64),
         halo,
         nx - halo,
@@ -217,7 +220,18 @@ def number_unknowns(geometry, open_end):
                 n = _number(index_u, i, k, n)
                 if i < index_w.shape[0]:
                     n = _number(index_w, i, k, n)
+    _mark_interior(geometry.interior, index_u, index_w, reach)
     return _envelope(index_u, index_w, reach, first, last, n)
+
+
+@njit(cache=True)
+def _mark_interior(interior, index_u, index_w, reach):
+    """Nodes around which all four faces are unknowns."""
+    interior[:] = False
+    for i in range(1, index_w.shape[0]):
+        inside, here, left, right = interior[i], index_u[i], index_w[i - 1], index_w[i]
+        for k in range(1, reach[i]):
+            inside[k] = min(min(here[k - 1], here[k]), min(left[k], right[k])) >= 0
 
 
 @njit(cache=True)

@@ -71,13 +71,40 @@ def _dry_node(phi, i, k):
 
 
 @njit(cache=True)
-def control_masses(mass_u, mass_w, phi):
+def _deep_node(phi, i, k):
+    """Whether the inner node and its four neighbours are wet."""
+    beside = max(phi[i - 1, k], phi[i + 1, k])
+    return max(max(phi[i, k], beside), max(phi[i, k - 1], phi[i, k + 1])) < 0.0
+
+
+@njit(cache=True)
+def rows_in_reach(phi_old, phi_new):
+    """Rows (nx + 1,) of cells, faces and nodes at node column i that the grains touch during the step.
+
+    One more than the highest wet node of the columns i - 1 to i + 1: the loops leave out the air.
+    """
+    nodes, rows = phi_old.shape
+    top = np.zeros(nodes, np.int64)
+    for i in range(nodes):
+        old, new = phi_old[i], phi_new[i]
+        k = rows - 1
+        while k >= 0 and old[k] >= 0.0 and new[k] >= 0.0:
+            k -= 1
+        top[i] = k + 1
+    reach = np.empty(nodes, np.int64)
+    for i in range(nodes):
+        beside = max(top[max(i - 1, 0)], top[min(i + 1, nodes - 1)])
+        reach[i] = min(max(top[i], beside) + 1, rows - 1)
+    return reach
+
+
+@njit(cache=True)
+def control_masses(mass_u, mass_w, phi, reach):
     """Filled area of the control volume of every face, in cells."""
-    nx, nz = phi.shape[0] - 1, phi.shape[1] - 1
     mass_u[:] = 0.0
     mass_w[:] = 0.0
-    for i in range(nx):
-        for k in range(nz):
+    for i in range(phi.shape[0] - 1):
+        for k in range(reach[i]):
             if _dry_cell(phi, i, k):
                 continue
             mass_u[i, k] += _filled_half(phi, i, k, 0)
@@ -87,7 +114,9 @@ def control_masses(mass_u, mass_w, phi):
 
 
 @njit(cache=True)
-def mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, dt, dx, dz):
+def mass_fluxes(
+    along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, reach, dt, dx, dz
+):
     """Mass that crosses the sides of the control volumes during dt, in cells.
 
     Parameters
@@ -106,6 +135,8 @@ def mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, p
         Open part of each x-face.
     phi_old, phi_new : (nx + 1, nz + 1) arrays
         Level set at the nodes at both ends of the step, m.
+    reach : (nx + 1,) array
+        From `rows_in_reach`.
     """
     nx, nz = along_u.shape
     x, z = 0.5 * dt / dx, 0.5 * dt / dz  # the halves: of the two surfaces
@@ -114,7 +145,7 @@ def mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, p
     across_u[:] = 0.0
     across_w[:] = 0.0
     for i in range(nx):
-        for k in range(nz):
+        for k in range(reach[i]):
             if _dry_cell(phi_old, i, k) and _dry_cell(phi_new, i, k):
                 continue
             upright = _wetted_upright(phi_old, i, k) + _wetted_upright(phi_new, i, k)
@@ -124,8 +155,12 @@ def mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, p
             )
             along_w[i, k] = z * level * _mean(w[i, k], w[i, k + 1])
     for i in range(nx + 1):
-        for k in range(1, nz):
+        for k in range(1, min(reach[i] + 1, nz)):
             if _dry_node(phi_old, i, k) and _dry_node(phi_new, i, k):
+                continue
+            if 0 < i < nx and _deep_node(phi_old, i, k) and _deep_node(phi_new, i, k):
+                across_u[i, k] = z * (w[i - 1, k] + w[i, k])
+                across_w[i, k] = x * (aperture[i, k - 1] * u[i, k - 1] + aperture[i, k] * u[i, k])
                 continue
             for phi in (phi_old, phi_new):
                 if i > 0:
@@ -161,27 +196,22 @@ def with_ghosts(field, slip, odd_x, odd_z):
 
 
 @njit(cache=True, inline="always")
-def _carried(padded, i, k, di, dk, flux):
-    """Velocity carried by the flux from face (i, k) to face (i + di, k + dk), from where it comes from."""
-    a, b = i + 2, k + 2
-    if flux >= 0.0:
-        return upwind_weno3(padded[a - di, b - dk], padded[a, b], padded[a + di, b + dk])
-    return upwind_weno3(padded[a + 2 * di, b + 2 * dk], padded[a + di, b + dk], padded[a, b])
+def _pass_on(gain, arriving, leaving, start, padded, here, hop, place, leap, flux):
+    """Book one flux from face `here` to face `here + hop` with both; the velocity is that of where it comes from.
 
-
-@njit(cache=True, inline="always")
-def _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, flux):
-    """Book one flux from face (i, k) to face (i + di, k + dk) with both."""
-    a, b = i + di, k + dk
-    carried = _carried(padded, i, k, di, dk, flux)
-    gain[i, k] -= flux * (carried - start[i, k])
-    gain[a, b] += flux * (carried - start[a, b])
+    All arrays are flat; `place` and `leap` are face and hop in `padded`.
+    """
+    there = here + hop
     if flux > 0.0:
-        leaving[i, k] += flux
-        arriving[a, b] += flux
+        carried = upwind_weno3(padded[place - leap], padded[place], padded[place + leap])
+        leaving[here] += flux
+        arriving[there] += flux
     else:
-        arriving[i, k] -= flux
-        leaving[a, b] -= flux
+        carried = upwind_weno3(padded[place + 2 * leap], padded[place + leap], padded[place])
+        arriving[here] -= flux
+        leaving[there] -= flux
+    gain[here] -= flux * (carried - start[here])
+    gain[there] += flux * (carried - start[there])
 
 
 @njit(cache=True)
@@ -197,8 +227,8 @@ def _let_out(gain, arriving, leaving, start, padded, di, end):
         arriving[i, k] += max(-end[k], 0.0)
 
 
-@njit(cache=True)
-def transport(moved, start, padded, mass, along, across, end, di, dk, shape_factor):
+@njit(cache=True, error_model="numpy")
+def transport(moved, start, padded, mass, along, across, end, reach, di, dk, shape_factor):
     """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes), for a shape factor of 1.
 
     (di, dk) is the direction of the component, `end` the flux through the far end. A control volume
@@ -212,22 +242,29 @@ def transport(moved, start, padded, mass, along, across, end, di, dk, shape_fact
         np.zeros_like(start),
         np.zeros_like(start),
     )
+    width, wide = start.shape[1], padded.shape[1]
+    gained, into, out = gain.reshape(-1), arriving.reshape(-1), leaving.reshape(-1)
+    old, values = start.reshape(-1), padded.reshape(-1)
+    hop, leap = di * width + dk, di * wide + dk
     for i in range(nx):
-        for k in range(nz):
+        for k in range(reach[i]):
             if along[i, k] != 0.0:
-                _pass_on(gain, arriving, leaving, start, padded, i, k, di, dk, along[i, k])
+                here, place = i * width + k, (i + 2) * wide + k + 2
+                _pass_on(gained, into, out, old, values, here, hop, place, leap, along[i, k])
+    hop, leap = dk * width + di, dk * wide + di
     for i in range(dk, across.shape[0] - dk):
-        for k in range(di, across.shape[1] - di):
-            flux = across[i, k]
-            if flux != 0.0:
-                _pass_on(gain, arriving, leaving, start, padded, i - dk, k - di, dk, di, flux)
+        for k in range(di, min(reach[i] + 1, across.shape[1] - di)):
+            if across[i, k] != 0.0:
+                here, place = i * width + k - hop, (i + 2) * wide + k + 2 - leap
+                _pass_on(gained, into, out, old, values, here, hop, place, leap, across[i, k])
     _let_out(gain, arriving, leaving, start, padded, di, end)
+    moved[:] = start
     for i in range(start.shape[0]):
-        for k in range(start.shape[1]):
-            into, out = arriving[i, k], leaving[i, k]
-            after = max(mass[i, k] + into - out, max(into, out))
-            gained = gain[i, k] / after if after > 0.0 else 0.0
-            moved[i, k] = start[i, k] + shape_factor * gained
+        for k in range(min(reach[i] + 1, start.shape[1])):
+            arrives, leaves = arriving[i, k], leaving[i, k]
+            after = max(mass[i, k] + arrives - leaves, max(arrives, leaves))
+            if after > 0.0:
+                moved[i, k] = start[i, k] + shape_factor * (gain[i, k] / after)
 
 
 @njit(cache=True)
@@ -253,10 +290,13 @@ def advect_momentum(
     """
     nx, nz = u.shape[0] - 1, u.shape[1]
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
-    control_masses(mass_u, mass_w, phi_old)
+    reach = rows_in_reach(phi_old, phi_new)
+    control_masses(mass_u, mass_w, phi_old, reach)
     along_u, along_w = np.empty((nx, nz)), np.empty((nx, nz))
     across_u, across_w = np.empty((nx + 1, nz + 1)), np.empty((nx + 1, nz + 1))
-    mass_fluxes(along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, dt, dx, dz)
+    mass_fluxes(
+        along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, reach, dt, dx, dz
+    )
     end_u = np.zeros(nz)
     for k in range(nz):
         wetted = wetted_edge(phi_old[nx, k], phi_old[nx, k + 1])
@@ -271,6 +311,7 @@ def advect_momentum(
         along_u,
         across_u,
         end_u,
+        reach,
         1,
         0,
         shape_factor,
@@ -283,6 +324,7 @@ def advect_momentum(
         along_u,
         across_u,
         end_u,
+        reach,
         1,
         0,
         shape_factor,
@@ -297,6 +339,7 @@ def advect_momentum(
         along_w,
         across_w,
         across_w[nx],
+        reach,
         0,
         1,
         shape_factor,
@@ -309,6 +352,7 @@ def advect_momentum(
         along_w,
         across_w,
         across_w[nx],
+        reach,
         0,
         1,
         shape_factor,

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
-from .banded import allocate_band
+from .banded import allocate_system
 from .coupled import (
     MASS_FLOOR,
     Outcome,
@@ -34,8 +34,9 @@ from .coupled import (
     take_solution,
 )
 from .geometry import WET, repeat_columns
+from .lanes import LANES
 from .rheology import with_shear_rate_min
-from .viscous import add_viscous
+from .viscous import add_cells, add_nodes
 
 CHI = 4.0  # W / (V eta); 1, 2, 4, 10 and 50 were compared: the same flow, 4 and above with no capped step
 
@@ -95,8 +96,9 @@ def assemble_momentum(work, band, rhs, u_star, w_star, geometry, balance, dx, dz
     """Sparse rho M/dt + Visc + friction; its right-hand side without the pressure goes to `rhs`."""
     band[:] = 0.0
     add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-    add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
-    return symmetric_from_band(band)
+    add_cells(band, work.weight_centre, work.constrained, 0.0, geometry, dx, dz)
+    add_nodes(band, work.weight_node, geometry, dx, dz)
+    return symmetric_from_band(band[: rhs.size - LANES])
 
 
 def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz):
@@ -123,7 +125,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
     div, wet = divergence_matrix(geometry, n, dx, dz)
     inertia = face_inertia(geometry, balance, n)
     poisson = factorised(div @ div.multiply(1.0 / inertia).T)
-    band, rhs = allocate_band(ends), np.empty(n)
+    band, rhs = allocate_system(ends)
     pressure[geometry.filled <= WET] = 0.0
     work.constrained[:] = geometry.filled > WET
     for sweep in range(balance.max_sweeps):
@@ -143,7 +145,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
         momentum = assemble_momentum(work, band, rhs, u_star, w_star, geometry, balance, dx, dz)
         bulk = CHI * work.weight_centre[wet]
         velocity = factorised(momentum + div.T @ div.multiply(bulk[:, None])).solve(
-            rhs + div.T @ pressure[wet]
+            rhs[:n] + div.T @ pressure[wet]
         )
         div_predicted = div @ velocity
         increment = poisson.solve(-div_predicted)

@@ -33,6 +33,8 @@ ETA_FLOOR = (
     1.0e-3  # Pa s; a flow without pressure keeps a little viscosity, far below that of any law here
 )
 
+NO_PRESSURE = 1.0e-30  # Pa; stands for p <= 0 where a law would divide zero by zero
+
 
 class Material(NamedTuple):
     """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number."""
@@ -137,7 +139,19 @@ def mu_regularised(inertial, material):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def viscosity_mu_I(shear_rate, pressure, material):
+    """`effective_viscosity` of the law mu_I, without branches."""
+    p = max(pressure, NO_PRESSURE)
+    least = material.shear_rate_min
+    friction = (material.mu_1 * p + material.cohesion) / math.sqrt(
+        shear_rate * shear_rate + least * least
+    )
+    faster = material.I_0 * math.sqrt(p) / material.grain_scale
+    return max(friction + (material.mu_2 - material.mu_1) * p / (shear_rate + faster), ETA_FLOOR)
+
+
+@njit(cache=True, error_model="numpy")
 def effective_viscosity(shear_rate, pressure, material):
     """Eta = tau / shear_rate in Pa s.
 
@@ -154,19 +168,13 @@ def effective_viscosity(shear_rate, pressure, material):
     float
         Pa s, between `ETA_FLOOR` and yield / shear_rate_min + viscous part.
     """
+    if material.law == MU_I:
+        return viscosity_mu_I(shear_rate, pressure, material)
     p = max(pressure, 0.0)
     plastic = 1.0 / math.sqrt(
         shear_rate * shear_rate + material.shear_rate_min * material.shear_rate_min
     )
-    if material.law == MU_I:
-        eta = (material.mu_1 * p + material.cohesion) * plastic
-        if p > 0.0:
-            eta += (
-                (material.mu_2 - material.mu_1)
-                * p
-                / (shear_rate + material.I_0 * math.sqrt(p) / material.grain_scale)
-            )
-    elif material.law == DRUCKER_PRAGER:
+    if material.law == DRUCKER_PRAGER:
         eta = (material.mu_1 * p + material.cohesion) * plastic + material.viscosity
     elif material.law == BINGHAM:
         eta = material.cohesion * plastic + material.viscosity
@@ -180,6 +188,17 @@ def effective_viscosity(shear_rate, pressure, material):
         )
         eta = (mu * p + material.cohesion) * plastic
     return max(eta, ETA_FLOOR)
+
+
+@njit(cache=True, error_model="numpy")
+def effective_viscosities(eta, rate, pressure, material):
+    """`effective_viscosity` at many points: eta, rate, pressure (n,). The arrays must not overlap."""
+    if material.law == MU_I:  # its own loop, which the compiler turns into vector instructions
+        for n in range(eta.size):
+            eta[n] = viscosity_mu_I(rate[n], pressure[n], material)
+    else:
+        for n in range(eta.size):
+            eta[n] = effective_viscosity(rate[n], pressure[n], material)
 
 
 @njit(cache=True)

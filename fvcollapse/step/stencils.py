@@ -5,7 +5,7 @@ from numba import njit
 SMOOTH = 0.1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def upwind_weno3(behind, here, ahead):
     """Third-order WENO value at the side towards `ahead` of the cell whose mean is `here`; Jiang & Shu (1996).
 
@@ -19,7 +19,7 @@ def upwind_weno3(behind, here, ahead):
     return here + 0.5 * (weight * back + (1.0 - weight) * front)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def derivative_weno5(v1, v2, v3, v4, v5):
     """Fifth-order WENO combination of five divided differences, upwind first; Jiang & Peng (2000)."""
     s1 = 13.0 / 12.0 * (v1 - 2.0 * v2 + v3) ** 2 + 0.25 * (v1 - 4.0 * v2 + 3.0 * v3) ** 2

@@ -13,42 +13,32 @@ from .geometry import WET
 
 
 @njit(cache=True)
-def node_is_interior(index_u, index_w, i, k):
-    """Whether all four faces around node (i, k) are unknowns: else it lies on a wall, the gate or the surface."""
-    nx, nz = index_w.shape[0], index_u.shape[1]
-    if i < 1 or i > nx - 1 or k < 1 or k > nz - 1:
-        return False
-    return (
-        index_u[i, k - 1] >= 0
-        and index_u[i, k] >= 0
-        and index_w[i - 1, k] >= 0
-        and index_w[i, k] >= 0
-    )
-
-
-@njit(cache=True)
 def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     """Fill e at wet cells and g at interior and bed nodes; zero elsewhere. 1/s.
 
     At bed nodes g = 2 (u_0 - bed_slip)/dz: only what the grains themselves shear, not the slip.
     """
-    nx, nz = e_centre.shape
+    nx = e_centre.shape[0]
+    per_x, per_z = 1.0 / dx, 1.0 / dz
     e_centre[:] = 0.0
     g_node[:] = 0.0
-    for i in range(nx):
+    for i in range(nx):  # whole columns at hand: an index k alone is cheap
+        filled, e, w_here = geometry.filled[i], e_centre[i], w[i]
+        left, right = u[i], u[i + 1]
+        open_left, open_right = geometry.aperture[i], geometry.aperture[i + 1]
         for k in range(geometry.reach[i]):
-            if geometry.filled[i, k] > WET:
-                e_centre[i, k] = 0.5 * (
-                    (geometry.aperture[i + 1, k] * u[i + 1, k] - geometry.aperture[i, k] * u[i, k])
-                    / dx
-                    - (w[i, k + 1] - w[i, k]) / dz
+            if filled[k] > WET:
+                e[k] = 0.5 * (
+                    (open_right[k] * right[k] - open_left[k] * left[k]) * per_x
+                    - (w_here[k + 1] - w_here[k]) * per_z
                 )
     for i in range(1, nx):
+        interior, g, u_here, left, right = geometry.interior[i], g_node[i], u[i], w[i - 1], w[i]
         if geometry.index_u[i, 0] >= 0:
-            g_node[i, 0] = 2.0 * (u[i, 0] - bed_slip[i]) / dz
+            g[0] = 2.0 * (u_here[0] - bed_slip[i]) * per_z
         for k in range(1, geometry.reach[i]):
-            if node_is_interior(geometry.index_u, geometry.index_w, i, k):
-                g_node[i, k] = (u[i, k] - u[i, k - 1]) / dz + (w[i, k] - w[i - 1, k]) / dx
+            if interior[k]:
+                g[k] = (u_here[k] - u_here[k - 1]) * per_z + (right[k] - left[k]) * per_x
 
 
 @njit(cache=True)
@@ -59,14 +49,13 @@ def mean_square(a, b, c, d):
 
 
 @njit(cache=True)
-def shear_rate_centre(e_centre, g_node, i, k):
-    """sqrt(4 e^2 + mean of g^2) at cell (i, k), 1/s."""
-    g2 = mean_square(g_node[i, k], g_node[i + 1, k], g_node[i, k + 1], g_node[i + 1, k + 1])
-    return math.sqrt(4.0 * e_centre[i, k] ** 2 + g2)
+def shear_rate_from(stretch, shear):
+    """sqrt(4 e^2 + g^2) from the two squares (1/s2), 1/s."""
+    return math.sqrt(stretch + shear)
 
 
 @njit(cache=True)
-def shear_rate_node(e_centre, g_node, i, k):
-    """sqrt(mean of 4 e^2 + g^2) at interior node (i, k), 1/s."""
-    e2 = mean_square(e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k])
-    return math.sqrt(4.0 * e2 + g_node[i, k] ** 2)
+def shear_rate_centre(e_centre, g_node, i, k):
+    """sqrt(4 e^2 + mean of g^2) at cell (i, k), 1/s."""
+    g2 = mean_square(g_node[i, k], g_node[i + 1, k], g_node[i, k + 1], g_node[i + 1, k + 1])
+    return shear_rate_from(4.0 * e_centre[i, k] ** 2, g2)

@@ -6,114 +6,161 @@ is symmetric positive by construction and the stress-free surface is its natural
 Everything is per unit volume: Pa/m per m/s.
 """
 
+import numpy as np
 from numba import njit
 
 from .geometry import WET
-from .rheology import effective_viscosity
-from .strain import node_is_interior, shear_rate_centre, shear_rate_node
+from .rheology import effective_viscosities
+from .strain import mean_square, shear_rate_from
 
 
 @njit(cache=True)
 def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
-    """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s."""
-    nx = weight_centre.shape[0]
-    filled = geometry.filled
+    """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
+
+    The points are packed first, so that the viscosity is one long loop without branches.
+    """
+    points = weight_centre.size + weight_node.size
+    fraction, rate, pressure, eta = (
+        np.empty(points),
+        np.empty(points),
+        np.empty(points),
+        np.empty(points),
+    )
+    n = _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry)
+    n = _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry)
+    effective_viscosities(eta[:n], rate[:n], pressure[:n], material)
     weight_centre[:] = 0.0
     weight_node[:] = 0.0
-    for i in range(nx):
+    n = 0
+    for i in range(weight_centre.shape[0]):
+        filled, weight = geometry.filled[i], weight_centre[i]
         for k in range(geometry.reach[i]):
-            v = filled[i, k]
-            if v > WET:
-                rate = shear_rate_centre(e_centre, g_node, i, k)
-                weight_centre[i, k] = v * effective_viscosity(
-                    rate, pressure_filled[i, k] / v, material
-                )
-    for i in range(1, nx):
+            if filled[k] > WET:
+                weight[k] = fraction[n] * eta[n]
+                n += 1
+    for i in range(1, weight_centre.shape[0]):
+        interior, weight = geometry.interior[i], weight_node[i]
         for k in range(1, geometry.reach[i]):
-            if node_is_interior(geometry.index_u, geometry.index_w, i, k):
-                v = 0.25 * (
-                    filled[i - 1, k - 1] + filled[i, k - 1] + filled[i - 1, k] + filled[i, k]
-                )
-                p = 0.25 * (
-                    pressure_filled[i - 1, k - 1]
-                    + pressure_filled[i, k - 1]
-                    + pressure_filled[i - 1, k]
-                    + pressure_filled[i, k]
-                )
-                rate = shear_rate_node(e_centre, g_node, i, k)
-                weight_node[i, k] = v * effective_viscosity(rate, p / v, material)
+            if interior[k]:
+                weight[k] = fraction[n] * eta[n]
+                n += 1
 
 
 @njit(cache=True)
-def add_rank_one(band, weight, n_0, c_0, n_1, c_1, n_2, c_2, n_3, c_3):
-    """Band += weight * c c^T on the unknowns n_j >= 0 (lower triangle)."""
-    numbers = (n_0, n_1, n_2, n_3)
-    values = (c_0, c_1, c_2, c_3)
-    for a in range(4):
-        row = numbers[a]
-        if row < 0:
-            continue
-        for b in range(4):
-            column = numbers[b]
-            if 0 <= column <= row:
-                band[column, row - column] += weight * values[a] * values[b]
-
-
-@njit(cache=True)
-def add_viscous(band, weight_centre, weight_node, geometry, dx, dz):
-    """Add the viscous blocks of all cells and nodes."""
-    iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
-    for i in range(geometry.first, geometry.last):
+def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry):
+    """Filled fraction, shear rate and pressure of the wet cells; return their number."""
+    n = 0
+    for i in range(e_centre.shape[0]):
+        filled, e, p = geometry.filled[i], e_centre[i], pressure_filled[i]
+        left, right = g_node[i], g_node[i + 1]
         for k in range(geometry.reach[i]):
-            if weight_centre[i, k] > 0.0:
-                add_rank_one(
-                    band,
-                    weight_centre[i, k],
-                    iu[i, k],
-                    -aperture[i, k] / dx,
-                    iu[i + 1, k],
-                    aperture[i + 1, k] / dx,
-                    iw[i, k],
-                    1.0 / dz,
-                    iw[i, k + 1],
-                    -1.0 / dz,
+            v = filled[k]
+            if v > WET:
+                fraction[n] = v
+                rate[n] = shear_rate_from(
+                    4.0 * e[k] * e[k], mean_square(left[k], right[k], left[k + 1], right[k + 1])
                 )
-            if weight_node[i, k] > 0.0:
-                add_rank_one(
-                    band,
-                    weight_node[i, k],
-                    iu[i, k - 1],
-                    -1.0 / dz,
-                    iu[i, k],
-                    1.0 / dz,
-                    iw[i - 1, k],
-                    -1.0 / dx,
-                    iw[i, k],
-                    1.0 / dx,
-                )
+                pressure[n] = p[k] / v
+                n += 1
+    return n
 
 
 @njit(cache=True)
-def add_incompressibility(band, penalty, constrained, geometry, dx, dz):
-    """Add penalty * div^T div of the constrained cells (augmented Lagrangian)."""
-    iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
+def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry):
+    """The same of the interior nodes, from place n on: means of the four cells around each."""
+    for i in range(1, e_centre.shape[0]):
+        interior, g = geometry.interior[i], g_node[i]
+        filled_l, filled_r = geometry.filled[i - 1], geometry.filled[i]
+        e_l, e_r = e_centre[i - 1], e_centre[i]
+        p_l, p_r = pressure_filled[i - 1], pressure_filled[i]
+        for k in range(1, geometry.reach[i]):
+            if interior[k]:
+                v = 0.25 * (filled_l[k - 1] + filled_r[k - 1] + filled_l[k] + filled_r[k])
+                p = 0.25 * (p_l[k - 1] + p_r[k - 1] + p_l[k] + p_r[k])
+                e2 = mean_square(e_l[k - 1], e_r[k - 1], e_l[k], e_r[k])
+                fraction[n] = v
+                rate[n] = shear_rate_from(4.0 * e2, g[k] * g[k])
+                pressure[n] = p / v
+                n += 1
+    return n
+
+
+@njit(cache=True)
+def add_own(flat, width, a, value):
+    """Add value to the diagonal of the unknown a, where it exists, in the flat band."""
+    if a >= 0:
+        flat[a * width] += value
+
+
+@njit(cache=True)
+def add_pair(flat, width, a, b, value):
+    """Add value at the places (a, b) and (b, a) of the matrix, where both unknowns exist.
+
+    The band holds one of the two; in a periodic stretch one column long a and b are the same.
+    """
+    if a >= 0 and b >= 0:
+        flat[min(a, b) * width + abs(a - b)] += value if a != b else 2.0 * value
+
+
+@njit(cache=True)
+def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
+    """Add the blocks of the cells: viscous, and penalty * div^T div where `constrained` (augmented Lagrangian).
+
+    With a = (-open_left/dx, open_right/dx) and b = (-1/dz, 1/dz), div = (a, b) and the normal strain
+    2 e = (a, -b): two rank-one blocks that differ in the sign of the mixed terms.
+    """
+    per_z = 1.0 / dz
+    flat, width = band.reshape(-1), band.shape[1]
     for i in range(geometry.first, geometry.last):
+        weight, imposed = weight_centre[i], constrained[i]
+        left, right, across = geometry.index_u[i], geometry.index_u[i + 1], geometry.index_w[i]
+        open_left, open_right = geometry.aperture[i], geometry.aperture[i + 1]
         for k in range(geometry.reach[i]):
-            if constrained[i, k]:
-                add_rank_one(
-                    band,
-                    penalty,
-                    iu[i, k],
-                    -aperture[i, k] / dx,
-                    iu[i + 1, k],
-                    aperture[i + 1, k] / dx,
-                    iw[i, k],
-                    -1.0 / dz,
-                    iw[i, k + 1],
-                    1.0 / dz,
-                )
+            push = penalty if imposed[k] else 0.0
+            same, mixed = push + weight[k], push - weight[k]
+            if same == 0.0:
+                continue
+            a_l, a_r = -open_left[k] / dx, open_right[k] / dx
+            a, b, low, high = left[k], right[k], across[k], across[k + 1]
+            add_own(flat, width, a, same * a_l * a_l)
+            add_own(flat, width, b, same * a_r * a_r)
+            add_pair(flat, width, a, b, same * a_l * a_r)
+            along = same * per_z * per_z
+            add_own(flat, width, low, along)
+            add_own(flat, width, high, along)
+            add_pair(flat, width, low, high, -along)
+            crossed = mixed * per_z
+            add_pair(flat, width, a, low, -crossed * a_l)
+            add_pair(flat, width, a, high, crossed * a_l)
+            add_pair(flat, width, b, low, -crossed * a_r)
+            add_pair(flat, width, b, high, crossed * a_r)
+
+
+@njit(cache=True)
+def add_nodes(band, weight_node, geometry, dx, dz):
+    """Add the viscous blocks of the interior nodes, the squares of du/dz + dw/dx."""
+    xx, zz, xz = 1.0 / (dx * dx), 1.0 / (dz * dz), 1.0 / (dx * dz)
+    flat, width = band.reshape(-1), band.shape[1]
+    for i in range(geometry.first, geometry.last):
+        weight, here = weight_node[i], geometry.index_u[i]
+        before, after = geometry.index_w[i - 1], geometry.index_w[i]
+        for k in range(1, geometry.reach[i]):
+            g = weight[k]
+            if g > 0.0:
+                low, high, a, b = here[k - 1], here[k], before[k], after[k]
+                add_own(flat, width, low, g * zz)
+                add_own(flat, width, high, g * zz)
+                add_own(flat, width, a, g * xx)
+                add_own(flat, width, b, g * xx)
+                add_pair(flat, width, low, high, -g * zz)
+                add_pair(flat, width, a, b, -g * xx)
+                add_pair(flat, width, low, a, g * xz)
+                add_pair(flat, width, low, b, -g * xz)
+                add_pair(flat, width, high, a, -g * xz)
+                add_pair(flat, width, high, b, g * xz)
 
 
 @njit(cache=True)

@@ -116,9 +116,11 @@ class Box(Simulation):
         geometry, right, top = self.geometry, self.right, self.cells_z
         geometry.index_u[:] = -1
         geometry.index_w[:] = -1
+        geometry.interior[:] = False
         inside = geometry._replace(
             index_u=geometry.index_u[: right + 1, :top],
             index_w=geometry.index_w[:right, : top + 1],
+            interior=geometry.interior[: right + 1, : top + 1],
             filled=geometry.filled[:right, :top],
             aperture=geometry.aperture[: right + 1, :top],
             reach=np.minimum(geometry.reach[: right + 1], top),

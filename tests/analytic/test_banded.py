@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fvcollapse.step.banded import allocate_band, factorise, solve_factorised
+from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
 
 
 def random_system(n, width, seed):
@@ -13,30 +13,30 @@ def random_system(n, width, seed):
     random = np.random.default_rng(seed)
     heights = random.integers(0, width + 1, n)
     ends = np.maximum.accumulate(np.minimum(np.arange(n) + heights, n - 1))
-    band, dense = allocate_band(ends), np.zeros((n, n))
-    band[:] = 0.0
+    (band, rhs), dense = allocate_system(ends), np.zeros((n, n))
     for c in range(n):
         size = ends[c] - c
         band[c, 1 : size + 1] = random.normal(size=size)
         band[c, 0] = 4.0 * (width + 1)
         dense[c : ends[c] + 1, c] = dense[c, c : ends[c] + 1] = band[c, : size + 1]
-    return band, ends, dense
+    return band, rhs, ends, dense
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(1, 60), st.integers(0, 20), st.integers(0, 10**6))
 def test_solution_is_that_of_the_dense_matrix(n, width, seed):
     """A x = b to round-off, for n below, at and above the four pivots eliminated together."""
-    band, ends, dense = random_system(n, width, seed)
+    band, solution, ends, dense = random_system(n, width, seed)
     rhs = np.random.default_rng(seed + 1).normal(size=n)
-    solution = rhs.copy()
+    solution[:n] = rhs
     assert factorise(band, ends) == 0
     solve_factorised(solution, band, ends)
-    assert np.abs(dense @ solution - rhs).max() < 1e-13 * n
+    assert np.abs(dense @ solution[:n] - rhs).max() < 1e-13 * n
+    assert not solution[n:].any()  # the lanes behind the last unknown
 
 
 @pytest.mark.parametrize("bad", [0, 3, 4, 9, 10])
 def test_a_pivot_that_is_not_positive_is_named(bad):
-    band, ends, _ = random_system(11, 3, 0)
+    band, _, ends, _ = random_system(11, 3, 0)
     band[bad, 0] = np.nan if bad == 3 else -50.0
     assert factorise(band, ends) == bad + 1

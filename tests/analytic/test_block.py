@@ -54,7 +54,7 @@ def column_sinks(u, w):
     )
     geometry, state = simulation.geometry, simulation.state
     pressures = np.zeros_like(state.u), np.zeros_like(state.w)
-    face_pressures(*pressures, state.pressure_filled, geometry)
+    face_pressures(*pressures, state.pressure_filled, geometry, 1.0, 1.0, simulation.spacing[1])
     u, w = np.full_like(state.u, u), np.full_like(state.w, w)
     sinks = np.zeros_like(u), np.zeros_like(w)
     sink_coefficients(*sinks, u, w, *pressures, geometry, 3.6, 1e-6)
