@@ -24,7 +24,7 @@ ABOUT = {
 }
 CAPTION = """
 {about} and without (grey), at 0, 16 and 22 deg, w = 10 cm, no other effect; front at 5 mm thickness. Strengths are
-quantiles {quantiles} of the physical prior: {values}. Cells {cell:g} mm. Numbers drawn: runs/effects/effects.csv,
+quantiles {quantiles} of the physical prior (SI units, degrees): {values}. Cells {cell:g} mm. Numbers drawn: runs/effects/effects.csv,
 curves.csv.
 """
 
@@ -53,7 +53,7 @@ def draw(numbers, curves, name):
         axes[1, column].set(xlabel="distance from the back wall (m)", xlim=(0.0, None))
     axes[0, 0].set_ylabel("front (m)")
     axes[1, 0].set_ylabel("thickness (m)")
-    lines = {strength: {"color": "black", "ls": line} for strength, line in LINES.items()}
+    lines = {words: {"color": "black", "ls": line} for words, line in strength_names(numbers)}
     key(axes[0, 0], {"without": WITHOUT} | lines, loc="lower right")
     if len(variants) > 1:
         colours = {variant: {"color": c} for variant, c in zip(variants, COLOURS, strict=False)}
@@ -65,6 +65,14 @@ def draw_line(panel, line, style):
     """A curve, if its run is there."""
     if line is not None:
         panel.plot(line.at, line.values, **style)
+
+
+def strength_names(numbers):
+    """Name and line of each strength; with its value where that is a single one."""
+    for row in numbers[:: len(SLOPES)][: len(LINES)]:
+        alone = row["variant"] == "" and " " not in row["parameters"]
+        value = f": {row['parameters'].replace('=', ' = ')}" if alone else ""
+        yield row["strength"] + value, LINES[row["strength"]]
 
 
 def caption(numbers, name):
