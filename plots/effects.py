@@ -24,8 +24,8 @@ ABOUT = {
 }
 CAPTION = """
 {about} and without (grey), at 0, 16 and 22 deg, w = 10 cm, no other effect; front at 5 mm thickness. Strengths are
-quantiles {quantiles} of the physical prior (SI units, degrees): {values}. Cells {cell:g} mm. Numbers drawn: runs/effects/effects.csv,
-curves.csv.
+quantiles {quantiles} of the physical prior (SI units, degrees): {values}. Cells {cell:g} mm. Numbers drawn:
+runs/effects/effects.csv, curves.csv.
 """
 
 
