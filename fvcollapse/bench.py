@@ -215,6 +215,8 @@ def figures(timed):
         for name in ("unknowns", "coefficients_read")
     }
     sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
+    bound_of_sweep = sweep_bytes / bandwidth(sweep_bytes)
+    parts = {name: np.mean([part[name] for part in timed.sweep_parts]) for name in PARTS}
     traffic = sweep_bytes * timed.unknowns / sizes["unknowns"]
     wall = timed.ended - timed.began - timed.probing
     share = {TERMS[name]: seconds / wall for name, seconds in timed.seconds.items()}
@@ -224,12 +226,14 @@ def figures(timed):
         "wall_s": wall,
         "steps": timed.steps,
         "sweeps": timed.sweeps,
+        "linear_iterations": timed.sweeps,  # one direct solve in each sweep
         "active_cells": timed.cells / timed.steps,
         "us_per_cell_and_step": 1e6 * wall / timed.cells,
         "share": share,
-        "sweep_s": {name: np.mean([p[name] for p in timed.sweep_parts]) for name in PARTS},
-        "bound_sweep_s": sweep_bytes / bandwidth(sweep_bytes),
-        "bound_s": traffic / bandwidth(sweep_bytes),
+        "sweep_s": parts,
+        "bound_sweep_s": bound_of_sweep,
+        "over_bound": {name: seconds / bound_of_sweep for name, seconds in parts.items()},
+        "bound_s": traffic / sweep_bytes * bound_of_sweep,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
     }
 
@@ -343,6 +347,7 @@ def run_bench(names=(), path=None, quiet=False, effects=False):
     report = {"machine": machine(), "compilation": compile_times(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         report["cases"].append({"name": name} | run_member(case))
+        report["growth"] = growth(report["cases"])
         save(report, path)
     if not names:
         report["sweep_of_8"] = sweep_times()
@@ -362,6 +367,28 @@ def run_effects(chosen, path, quiet):
     return report
 
 
+def growth(rows):
+    """How the cost of a cell and step grows as cells shrink, per slope and width: fitted exponent, total ratio.
+
+    The exponent n is that of cost ~ (1/cell size)^n, by least squares over all sizes that were run.
+    """
+    families = {}
+    for row in rows:
+        families.setdefault(row["name"].rpartition("_")[0], []).append(row)
+    found = {}
+    for name, members in families.items():
+        if len(members) > 1:
+            size = np.log([row["cell_size"] for row in members])
+            cost = np.log([row["us_per_cell_and_step"] for row in members])
+            finest, coarsest = np.argmin(size), np.argmax(size)
+            found[name] = {
+                "exponent": -float(np.polyfit(size, cost, 1)[0]),
+                "ratio": float(np.exp(cost[finest] - cost[coarsest])),
+                "cell_size": [float(np.exp(size[coarsest])), float(np.exp(size[finest]))],
+            }
+    return found
+
+
 def save(report, path):
     """Write the report as JSON, if a path is given."""
     if path is not None:
@@ -370,7 +397,17 @@ def save(report, path):
 
 def table(report):
     """The report as aligned plain text."""
-    names = ["case", "loop s", "command s", "steps", "sweeps", "us/cell/step", "bound s", "MB"]
+    names = [
+        "case",
+        "loop s",
+        "command s",
+        "steps",
+        "sweeps",
+        "solves",
+        "us/cell/step",
+        "bound s",
+        "MB",
+    ]
     factors = all("cost_factor" in row for row in report["cases"])
     rows = [[*names, "cost factor"] if factors else names]
     for row in report["cases"]:
@@ -381,6 +418,7 @@ def table(report):
                 f"{row['command_s']:.2f}",
                 str(row["steps"]),
                 str(row["sweeps"]),
+                str(row["linear_iterations"]),
                 f"{row['us_per_cell_and_step']:.2f}",
                 f"{row['bound_s']:.3f}",
                 f"{row['memory_mb']:.0f}",
@@ -396,7 +434,15 @@ def table(report):
         lines.append(
             f"two cores on a sweep of 8 runs: {report['sweep_of_8']['ratio']:.2f} times one core"
         )
+    for name, found in report.get("growth", {}).items():
+        coarse, fine = (1e3 * size for size in found["cell_size"])
+        lines.append(
+            f"{name}: a cell and step cost {found['ratio']:.2f} times as much at {fine:.2g} as at {coarse:.2g} mm; "
+            f"exponent {found['exponent']:.2f}"
+        )
     for row in report["cases"]:
+        parts = ", ".join(f"{part} {ratio:.0f}" for part, ratio in row["over_bound"].items())
+        lines.append(f"{row['name']}: parts of a sweep over its bound: {parts}")
         share = sorted(row["share"].items(), key=lambda item: -item[1])
         lines.append(f"{row['name']}: " + ", ".join(f"{term} {100 * s:.0f} %" for term, s in share))
     return "\n".join(lines)

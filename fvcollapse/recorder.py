@@ -74,6 +74,7 @@ SERIES = {
     ),
     "negative_pressure_cells": ("1", "number of cells in suction"),
 }
+SINCE_RELEASED = ("work_gate",)  # zero in a file written before there was such a series
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
 PROFILES = {
@@ -278,7 +279,7 @@ def check_layout(file):
     """Raise KeyError or ValueError unless all that a recorder wrote is there and fits together."""
     n = file["series/time"].size
     profile = (file["profiles/time"].size, file["profiles/x"].size)
-    shapes = {f"series/{name}": (n,) for name in SERIES}
+    shapes = {f"series/{name}": (n,) for name in SERIES if stored(file, name)}
     shapes |= {f"steps/{name}": (n - 1,) for name in [*STEPS, *file["steps"]]}
     shapes |= {f"profiles/{name}": profile for name in PROFILES}
     for name, shape in shapes.items():
@@ -287,6 +288,19 @@ def check_layout(file):
     for index in range(len(file["fields"])):
         if not set(FIELDS) <= set(file["fields"][str(index)]):
             raise KeyError(f"fields/{index}")
+
+
+def stored(file, name):
+    """Whether the series is in the file, or has to be: one that came later may be absent."""
+    return name in file["series"] or name not in SINCE_RELEASED
+
+
+def read_series(file):
+    """All series of a result, (n,) each."""
+    absent = np.zeros(file["series/time"].size)
+    return {
+        name: file["series"][name][:] if stored(file, name) else absent.copy() for name in SERIES
+    }
 
 
 def pad_rows(rows, width):

@@ -9,7 +9,7 @@ import numpy as np
 from fvcollapse.case import case_from_text
 from fvcollapse.files import reading, text_attribute
 from fvcollapse.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
-from fvcollapse.recorder import SERIES, check_layout
+from fvcollapse.recorder import SERIES, check_layout, read_series
 
 FORMAT = "fvcollapse-result"
 
@@ -47,7 +47,7 @@ class Result:
             self.complete = bool(file.attrs["complete"])
             self.code_version = text_attribute(file, "code_version")
             self.case_text = text_attribute(file, "case")
-            self.series = {name: file["series"][name][:] for name in SERIES}
+            self.series = read_series(file)
             self.steps = {name: data[:] for name, data in file["steps"].items()}
             self.profiles = Profiles(*(file["profiles"][name][:] for name in Profiles._fields))
             self.field_times = read_field_times(file)

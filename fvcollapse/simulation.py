@@ -16,7 +16,7 @@ from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
-from .step import coupled, level_set, projection, quantities
+from .step import coupled, level_set, quantities
 from .step.banded import allocate_system
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
@@ -345,6 +345,8 @@ class Simulation:
             u_star, w_star = u_star + impulse[0], w_star + impulse[1]
         if self.case.numerics.method == "coupled":
             return self._solve_coupled(u_star, w_star, balance)
+        from .step import projection  # sparse matrices of scipy, for the reference method only
+
         return projection.solve(
             self.state,
             self.work,

@@ -7,7 +7,6 @@ t = mu (1 - n/2), the criterion of Barker, Schaeffer, Bohorquez & Gray (2015), J
 """
 
 from numba import njit
-from scipy.optimize import brentq
 
 
 @njit(cache=True)
@@ -37,6 +36,8 @@ def lower_well_posed_limit(mu_1, mu_2, I_0):
     ValueError
         If the law is ill-posed for every inertial number.
     """
+    from scipy.optimize import brentq  # 0.3 s that only the regularised law needs
+
     candidates = [I_0 * 10.0 ** (0.02 * j - 4.0) for j in range(300)]
     for low, high in zip(candidates, candidates[1:], strict=False):
         if criterion_mu_I(high, mu_1, mu_2, I_0) <= 0.0:

@@ -115,6 +115,14 @@ def test_broken_result_is_one_line(folder, name):
     assert not os.path.exists("unpickled")
 
 
+def test_a_result_older_than_a_series_is_read(folder):
+    """What an effect added later is zero in a file that does not know it."""
+    remove("series/work_gate")(folder / "result.h5")
+    result = open_result(folder)
+    assert result.work_gate.shape == result.time.shape
+    assert not result.work_gate.any()
+
+
 def test_missing_result(tmp_path):
     for path in (tmp_path / "nothing.h5", tmp_path):
         with pytest.raises(InputError, match=r"(?i)no such file"):
