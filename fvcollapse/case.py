@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from fvcollapse.case_field_effects import Dilatancy
 from fvcollapse.case_keys import (
     Section,
     as_table,
@@ -237,6 +238,7 @@ class Effects(Section):
     """What is added to the physics that the user believes; absent = off."""
 
     lateral_friction: LateralFriction | None = None
+    dilatancy: Dilatancy | None = None
 
 
 class Case(Section):

@@ -104,6 +104,12 @@ def rule_outputs(case):
             yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
 
 
+def rule_field_effects(case):
+    """Effects that carry a field work in the coupled solve only."""
+    if case.numerics.method != "coupled" and case.effects.dilatancy is not None:
+        yield "numerics.method", show(case.numerics.method), '"coupled" with effects.dilatancy'
+
+
 RULES = (
     rule_finite,
     rule_friction,
@@ -113,6 +119,7 @@ RULES = (
     rule_cells,
     rule_domain,
     rule_outputs,
+    rule_field_effects,
 )
 
 

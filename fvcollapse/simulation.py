@@ -17,6 +17,13 @@ from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import allocate_band
+from .step.dilatancy import (
+    carry_fraction,
+    dilatancy_law,
+    initial_fraction,
+    limit_dilatancy,
+    start_dilatancy,
+)
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
 from .step.gate import gate_height, open_fractions
@@ -74,9 +81,12 @@ class Simulation:
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
         self.material = material(case)
+        self.dilatancy = dilatancy_law(case)
+        self.packing_0 = initial_fraction(case) / self.dilatancy.fraction_bulk
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
         self.state = initial_state(case, grid) if state is None else state
+        start_dilatancy(self.state, case)
         self._allocate()
         if state is None:
             self._settle()
@@ -96,7 +106,9 @@ class Simulation:
 
     def cell_quantities(self):
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
-        return quantities.cell_quantities(self.state, self.geometry, self.material, *self.spacing)
+        return quantities.cell_quantities(
+            self.state, self.geometry, self.material, self.dilatancy, *self.spacing
+        )
 
     def energies(self):
         """Kinetic and potential energy, J/m; see `fvcollapse.step.quantities.energies`."""
@@ -176,7 +188,8 @@ class Simulation:
         self.state = state = start.copy()
         dx, dz = self.spacing
         self._repeat(state.level_set, state.u, state.w)
-        correction = self._move_surface(dt)
+        packing = self._packing()
+        correction = self._move_surface(dt, start.level_set)
         u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
         advect_momentum(
             u_star,
@@ -187,6 +200,7 @@ class Simulation:
             self.geometry.aperture,
             start.level_set,
             state.level_set,
+            packing,
             dt,
             dx,
             dz,
@@ -197,6 +211,9 @@ class Simulation:
         if impulse is not None:
             balance = balance._replace(wall_strength=0.0)
         outcome = self._solve(u_star, w_star, impulse, balance)
+        if state.dilation_rate is not None:
+            state.dilation_rate[:] = self.work.source
+            self._repeat(state.dilation_rate)
         solved = self._book_energy(u_star, w_star, impulse, balance)
         self._continue_velocity()
         energy = self.energies()
@@ -216,6 +233,9 @@ class Simulation:
             limit_advection(fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
             limit_gate(case.gate.speed, moving, dz),
+            math.inf
+            if self.state.dilation_rate is None
+            else limit_dilatancy(self.state.dilation_rate),
         )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
@@ -232,7 +252,13 @@ class Simulation:
 
     # ---------------------------------------------------------------- its parts
 
-    def _move_surface(self, dt):
+    def _packing(self):
+        """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
+        if self.state.solid_fraction is None:
+            return np.ones_like(self.state.pressure_filled)
+        return self.state.solid_fraction / self.dilatancy.fraction_bulk
+
+    def _move_surface(self, dt, phi_old):
         state, (dx, dz) = self.state, self.spacing
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
@@ -256,15 +282,21 @@ class Simulation:
             level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
             state.travel, state.travel_steps = 0.0, 0
         self._repeat(state.level_set)
+        if state.solid_fraction is not None:
+            carry_fraction(state, self.geometry.aperture, phi_old, dt, dx, dz)
+            self._repeat(state.solid_fraction)
         self.outflow = Outflow(0.0, 0.0)
         if fastest == 0.0:
             return 0.0
         self._book_outflow(u_node, w_node, dt)
-        target = (state.volume_0 - state.volume_outflow) / (dx * dz)
+        target = (state.volume_0 - state.volume_outflow) * self.packing_0 / (dx * dz)
         added = (
-            level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz))
+            level_set.correct_volume(
+                state.level_set, speed / fastest, self._packing(), target, min(dx, dz)
+            )
             * dx
             * dz
+            / self.packing_0
         )
         state.volume_correction += abs(added)
         return added
@@ -277,7 +309,8 @@ class Simulation:
         speed = 0.5 * (u_node[-1, :-1] + u_node[-1, 1:])
         rise = 0.5 * (w_node[-1, :-1] + w_node[-1, 1:])
         wetted = np.array([wetted_edge(*ends) for ends in itertools.pairwise(phi)])
-        through = np.maximum(wetted * speed, 0.0) * dz * dt
+        packing = self._packing()[-1]
+        through = np.maximum(wetted * speed, 0.0) * dz * dt * packing
         gx, gz = self.gravity
         middle = self.grid.z_nodes[:-1] + 0.5 * wetted * dz
         mass = self.case.rheology.density_bulk * through
@@ -285,7 +318,7 @@ class Simulation:
             float(mass @ (0.5 * (speed**2 + rise**2))),
             float(mass @ (-gx * self.grid.nx * dx - gz * middle)),
         )
-        self.state.volume_outflow += through.sum()
+        self.state.volume_outflow += through.sum() / self.packing_0
         self.state.energy_outflow += sum(self.outflow)
 
     def _place(self, time, closed=False):
@@ -300,8 +333,14 @@ class Simulation:
             self.state.level_set,
             geometry.aperture,
         )
+        geometry.packing[:] = self._packing()
         fill_faces(
-            geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
+            geometry.mass_x,
+            geometry.mass_z,
+            geometry.filled,
+            geometry.lever_x,
+            geometry.lever_z,
+            geometry.packing,
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
@@ -364,6 +403,8 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
+        if state.solid_fraction is not None:
+            self.work.solid_fraction[:] = state.solid_fraction
         return coupled.solve(
             state.u,
             state.w,
@@ -410,6 +451,7 @@ class Simulation:
             0.01 * scale,
             max_sweeps or numerics.max_sweeps,
             rate_start,
+            self.dilatancy,
         )
 
     def _continue_velocity(self):
@@ -464,7 +506,8 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = level_set.volume(state.level_set) * self.spacing[0] * self.spacing[1]
+        cells = level_set.volume(state.level_set, np.ones_like(state.pressure_filled))
+        state.volume_0 = cells * self.spacing[0] * self.spacing[1]
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(

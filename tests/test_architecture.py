@@ -14,7 +14,7 @@ PACKAGE = Path(fvcollapse.__file__).parent
 LAYERS = (
     "errors version",
     "case_keys",
-    "case_rules",
+    "case_rules case_field_effects",
     "case",
     "grid",
     "state",

@@ -1,11 +1,11 @@
 """Velocity and pressure of one step together: nonlinear sweeps over one banded Cholesky solve each.
 
     rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,
-    0 <= p  perpendicular to  div u >= 0
+    0 <= p  perpendicular to  div u - s >= 0,   s = 0 unless the grains dilate (`dilatancy`)
 
 Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves
-(A + r B^T B) u = f + B^T P for all active faces at once, then updates the multiplier
-P -= r B u (augmented Lagrangian, B = div). With a direct factorisation r may be far above any
+(A + r B^T B) u = f + B^T (P + r s) for all active faces at once, then updates the multiplier
+P -= r (B u - s) (augmented Lagrangian, B = div). With a direct factorisation r may be far above any
 viscosity, so P is nearly exact after one sweep and no splitting error exists: a static state is
 static for any time step. A cell whose P turns negative is released (P = 0, free to open) and taken
 up again with P = 0 when it is being compressed; in the bilateral form every wet cell stays.
@@ -19,6 +19,7 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
+from .dilatancy import Dilatancy, dilate
 from .geometry import WET, last_face
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
@@ -46,10 +47,14 @@ class Balance(NamedTuple):
     speed_scale: float
     max_sweeps: int
     rate_start: float
+    dilatancy: Dilatancy
 
 
 class Work(NamedTuple):
-    """Scratch arrays of the sweeps on one grid shape."""
+    """Scratch arrays of the sweeps on one grid shape.
+
+    friction_before and solid_fraction are set before the solve, if an effect needs them.
+    """
 
     e_centre: np.ndarray
     g_node: np.ndarray
@@ -64,6 +69,11 @@ class Work(NamedTuple):
     sink_z: np.ndarray
     constrained: np.ndarray
     multiplier: np.ndarray
+    source: np.ndarray
+    penalty: np.ndarray
+    extra_friction: np.ndarray
+    friction_before: np.ndarray
+    solid_fraction: np.ndarray
 
 
 class Outcome(NamedTuple):
@@ -96,20 +106,46 @@ def allocate_work(nx, nz):
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz), np.bool_),
-        np.zeros((nx, nz)),
+        *(np.zeros((nx, nz)) for _ in range(6)),
+    )
+
+
+@njit(cache=True)
+def grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
+    """Strain rates, and what the effects make of them: extra friction, source and penalty of div u = s."""
+    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    if balance.dilatancy.factor == 0.0:
+        work.extra_friction[:] = work.friction_before
+        work.penalty[:] = balance.penalty
+        return
+    dilate(
+        work.source,
+        work.penalty,
+        work.extra_friction,
+        work.friction_before,
+        work.solid_fraction,
+        work.e_centre,
+        work.g_node,
+        pressure_filled,
+        geometry,
+        material,
+        balance.dilatancy,
+        balance.penalty,
+        balance.dt,
     )
 
 
 @njit(cache=True)
 def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
-    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
         work.e_centre,
         work.g_node,
         pressure_filled,
+        work.extra_friction,
         geometry,
         material,
     )
@@ -120,6 +156,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
+        work.extra_friction,
         geometry,
         material,
         balance.gz,
@@ -134,6 +171,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
+        work.extra_friction,
         geometry,
         material,
         balance.gx,
@@ -186,12 +224,14 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
 
 
 @njit(cache=True)
-def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
-    """Rhs += B^T P: minus the discrete pressure gradient."""
+def add_pressure_force(rhs, pressure_filled, work, geometry, dx, dz):
+    """Rhs += B^T (P + r s): minus the discrete pressure gradient, and the source of the constrained cells."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             p = pressure_filled[i, k]
+            if work.constrained[i, k]:
+                p += work.penalty[i, k] * work.source[i, k]
             if p != 0.0:
                 if iu[i, k] >= 0:
                     rhs[iu[i, k]] -= p * aperture[i, k] / dx
@@ -232,44 +272,43 @@ def take_solution(u, w, solution, geometry):
 
 
 @njit(cache=True)
-def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, dx, dz):
-    """Cells in which div u = 0 is imposed first: all wet ones, or those under pressure or being compressed."""
-    nx, nz = constrained.shape
+def start_constraints(work, u, w, pressure_filled, geometry, unilateral, dx, dz):
+    """Cells in which div u = s is imposed first: all wet ones, or those under pressure or being compressed."""
+    nx, nz = work.constrained.shape
     for i in range(nx):
         for k in range(nz):
             wet = geometry.filled[i, k] > WET
             if not wet:
                 pressure_filled[i, k] = 0.0
-            constrained[i, k] = wet and (
+            work.constrained[i, k] = wet and (
                 not unilateral
                 or pressure_filled[i, k] > 0.0
-                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= 0.0
+                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= work.source[i, k]
             )
 
 
 @njit(cache=True)
-def update_multiplier(
-    pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz
-):
-    """P -= r div u where constrained, then release and take up cells; return the largest |div u|."""
+def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_release, dx, dz):
+    """P -= r (div u - s) where constrained, then release and take up cells; return the largest |div u - s|."""
     largest = 0.0
+    multiplier, constrained = work.multiplier, work.constrained
     multiplier[:] = 0.0
     for i in range(constrained.shape[0]):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] <= WET:
                 continue
-            div = divergence(u, w, geometry.aperture, i, k, dx, dz)
+            excess = divergence(u, w, geometry.aperture, i, k, dx, dz) - work.source[i, k]
             if constrained[i, k]:
-                p = pressure_filled[i, k] - balance.penalty * div
+                p = pressure_filled[i, k] - work.penalty[i, k] * excess
                 multiplier[i, k] = p
                 if balance.unilateral and p < 0.0:
                     p = 0.0
                     if may_release:
                         constrained[i, k] = False
                 else:
-                    largest = max(largest, abs(div))
+                    largest = max(largest, abs(excess))
                 pressure_filled[i, k] = p
-            elif div < 0.0:
+            elif excess < 0.0:
                 constrained[i, k] = True
     return largest
 
@@ -378,7 +417,9 @@ def solve(
     u_star, w_star : arrays
         Velocity after advection.
     """
-    start_constraints(work.constrained, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
+    if balance.dilatancy.factor > 0.0:  # the source says which cells are being compressed
+        grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+    start_constraints(work, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
     change = residual = div_max = math.inf
     sweeps = info = 0
     settled = False
@@ -395,12 +436,12 @@ def solve(
         band[:] = 0.0
         add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
         add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
-        add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
+        add_incompressibility(band, work.penalty, work.constrained, geometry, dx, dz)
         for i in range(work.constrained.shape[0]):
             for k in range(geometry.reach[i]):
                 if not work.constrained[i, k]:
                     pressure_filled[i, k] = 0.0
-        add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+        add_pressure_force(rhs, pressure_filled, work, geometry, dx, dz)
         info = factorise(band, ends)
         if info != 0:
             break
@@ -408,8 +449,7 @@ def solve(
         change, largest = take_solution(u, w, rhs, geometry)
         div_max = update_multiplier(
             pressure_filled,
-            work.multiplier,
-            work.constrained,
+            work,
             u,
             w,
             geometry,

@@ -35,7 +35,10 @@ ETA_FLOOR = (
 
 
 class Material(NamedTuple):
-    """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number."""
+    """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number.
+
+    `extra_friction` is what an effect adds to the friction coefficient at one place; 0 without it.
+    """
 
     law: int
     mu_1: float
@@ -49,6 +52,7 @@ class Material(NamedTuple):
     A_minus: float
     alpha: float
     mu_infinity: float
+    extra_friction: float
 
 
 def material(case):
@@ -88,6 +92,7 @@ def material(case):
         A_minus,
         rheology.alpha_regularised,
         rheology.mu_infinity,
+        0.0,
     )
 
 
@@ -107,6 +112,27 @@ def with_shear_rate_min(material, shear_rate_min):
         material.A_minus,
         material.alpha,
         material.mu_infinity,
+        material.extra_friction,
+    )
+
+
+@njit(cache=True)
+def with_extra_friction(material, extra_friction):
+    """The same material with another addition to its friction coefficient."""
+    return Material(
+        material.law,
+        material.mu_1,
+        material.mu_2,
+        material.I_0,
+        material.viscosity,
+        material.cohesion,
+        material.grain_scale,
+        material.shear_rate_min,
+        material.I_1,
+        material.A_minus,
+        material.alpha,
+        material.mu_infinity,
+        extra_friction,
     )
 
 
@@ -178,6 +204,7 @@ def effective_viscosity(shear_rate, pressure, material):
             else 0.0
         )
         eta = (mu * p + material.cohesion) * plastic
+    eta += material.extra_friction * p * plastic
     return max(eta, ETA_FLOOR)
 
 

@@ -110,8 +110,8 @@ class Box(Simulation):
     def _make_room(self):
         """Walls all around: the grid stays."""
 
-    def _move_surface(self, dt):
-        return super()._move_surface(dt) if self.surface is None else 0.0
+    def _move_surface(self, dt, phi_old):
+        return super()._move_surface(dt, phi_old) if self.surface is None else 0.0
 
     def _place(self, time, closed=False):
         super()._place(time, closed)
