@@ -13,7 +13,7 @@ class Dilatancy(Section):
     ] = 4.0
     solid_fraction_max: Annotated[
         float, key("-", "nu_eq of slow shear, I = 0", ge=0.3, le=0.74)
-    ] = 0.62
+    ] = 0.60
     solid_fraction_slope: Annotated[
         float, key("-", "decrease of nu_eq from I = 0 to I = 1", ge=0, le=0.25)
     ] = 0.15

@@ -19,7 +19,7 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
-from .dilatancy import Dilatancy, dilate
+from .dilatancy import FULL_SWEEPS, Dilatancy, dilate
 from .geometry import WET, last_face
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
@@ -111,8 +111,11 @@ def allocate_work(nx, nz):
 
 
 @njit(cache=True)
-def grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
-    """Strain rates, and what the effects make of them: extra friction, source and penalty of div u = s."""
+def grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz):
+    """Strain rates, and what the effects make of them: extra friction, source and penalty of div u = s.
+
+    The source goes the `share` of the way to its new value.
+    """
     strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
     if balance.dilatancy.factor == 0.0:
         work.extra_friction[:] = work.friction_before
@@ -132,13 +135,14 @@ def grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balan
         balance.dilatancy,
         balance.penalty,
         balance.dt,
+        share,
     )
 
 
 @njit(cache=True)
-def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
+def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
-    grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+    grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz)
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
@@ -418,7 +422,8 @@ def solve(
         Velocity after advection.
     """
     if balance.dilatancy.factor > 0.0:  # the source says which cells are being compressed
-        grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+        work.source[:] = 0.0
+        grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, 1.0, dx, dz)
     start_constraints(work, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
     change = residual = div_max = math.inf
     sweeps = info = 0
@@ -430,7 +435,10 @@ def solve(
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         softened = with_shear_rate_min(material, rate)
-        coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
+        share = 1.0 if sweep < FULL_SWEEPS else 0.5
+        coefficients(
+            work, u, w, pressure_filled, bed_slip, geometry, softened, balance, share, dx, dz
+        )
         previous = friction
         friction = bed_force(work, u, geometry)
         band[:] = 0.0

@@ -15,7 +15,8 @@ and the source of the solve is the s = (1 - nu/nu(0))/dt of that solution: exact
 beyond nu_eq, so it sets no limit of stability. s follows the velocity and the pressure of every
 nonlinear sweep. It falls as the pressure rises (I falls), and strongly; therefore the multiplier of
 the solve is updated not with the penalty r but with 1/(1/r - ds/dP), a Newton step, without which
-pressure and expansion would chase each other from sweep to sweep. A cell under pressure expands at
+pressure and expansion would chase each other from sweep to sweep; if after some sweeps they still
+do, in a thin tongue, s and the friction go half of their way only. A cell under pressure expands at
 s; one without pressure may open faster (p >= 0, div u - s >= 0), and that opening, as in an
 incompressible mass, is no change of nu. The surface is corrected to the mass of the grains, the sum
 of nu over the volume, instead of the volume.
@@ -40,13 +41,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .cell_transport import transport_cells
-from .geometry import WET
+from .cell_transport import TRUSTED, transport_cells
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
 PRESSURE_STEP = 0.01  # relative, of the one-sided slope ds/dp
 CHANGE_PER_STEP = 0.1  # of the volume of any cell
+FULL_SWEEPS = 6  # nonlinear sweeps before the source is relaxed
 
 
 class Dilatancy(NamedTuple):
@@ -137,8 +138,12 @@ def dilate(
     law,
     hardest,
     dt,
+    share,
 ):
-    """Source of div u = s, penalty and extra friction of every wet cell, from velocity and pressure.
+    """Source of div u = s, penalty and extra friction of every well-filled cell, from velocity and pressure.
+
+    The slope ds/dp is taken where I <= 1: below that pressure s is constant, and a multiplier
+    updated without its slope would jump to and fro across the kink.
 
     Parameters
     ----------
@@ -152,27 +157,29 @@ def dilate(
         Penalty r of an incompressible cell, Pa s.
     dt : float
         s.
+    share : float
+        How far source and friction move from their present values towards the new ones; 1: all the
+        way.
     """
-    source[:] = 0.0
     penalty[:] = hardest
-    friction[:] = friction_before
     for i in range(source.shape[0]):
         for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
-            if v <= WET:
-                continue
-            rate = shear_rate_centre(e_centre, g_node, i, k)
+            rate = shear_rate_centre(e_centre, g_node, i, k) if v >= TRUSTED else 0.0
             if rate <= 0.0:
+                source[i, k] = 0.0
+                friction[i, k] = friction_before[i, k]
                 continue
             p = pressure_filled[i, k] / v
             s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)
-            source[i, k] = s
-            friction[i, k] += max(s / rate, -material.mu_1)
-            if p > 0.0:
-                step = PRESSURE_STEP * p
-                s_above = expansion(rate, p + step, fraction[i, k], dt, law, material.grain_scale)
-                softness = max(s - s_above, 0.0) / (step * v)
-                penalty[i, k] = 1.0 / (1.0 / hardest + softness)
+            source[i, k] += share * (s - source[i, k])
+            total = friction_before[i, k] + max(s / rate, -material.mu_1)
+            friction[i, k] += share * (total - friction[i, k])
+            p = max(p, (material.grain_scale * rate) ** 2)
+            s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)
+            step = PRESSURE_STEP * p
+            s_above = expansion(rate, p + step, fraction[i, k], dt, law, material.grain_scale)
+            penalty[i, k] = 1.0 / (1.0 / hardest + (s - s_above) / (step * v))
 
 
 @njit(cache=True)

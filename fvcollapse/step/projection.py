@@ -136,6 +136,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
             geometry,
             with_shear_rate_min(material, rate),
             balance,
+            1.0,
             dx,
             dz,
         )

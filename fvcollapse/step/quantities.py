@@ -88,8 +88,8 @@ def cell_quantities(state, geometry, material, dilatancy, dx, dz):
     extra_friction = np.zeros(shape)
     if dilatancy.factor > 0.0:
         dilate(
-            np.empty(shape),
-            np.empty(shape),
+            np.zeros(shape),
+            np.zeros(shape),
             extra_friction,
             np.zeros(shape),
             state.solid_fraction,
@@ -101,6 +101,7 @@ def cell_quantities(state, geometry, material, dilatancy, dx, dz):
             dilatancy,
             1.0,
             state.dt or 1.0,  # at rest nothing dilates
+            1.0,
         )
     fill_quantities(
         pressure,
