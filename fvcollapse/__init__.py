@@ -12,6 +12,7 @@ PUBLIC = {
     "run": "output",
     "open_result": "result",
     "observe": "observables",
+    "load_experiment": "experiment",
 }
 __all__ = ["__version__", *PUBLIC]
 

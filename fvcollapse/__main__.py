@@ -7,6 +7,7 @@ are one line on stderr. The commands import what they need themselves, so that `
 import argparse
 import os
 import sys
+from math import isfinite
 from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError, one_line, refuse_bad_target
@@ -52,6 +53,9 @@ def command_line():
     add_plot(commands)
     add_verify(commands)
     add_converge(commands)
+    add_bench(commands)
+    add_sweep(commands)
+    add_import_curves(commands)
     add_keys(commands)
     return parser
 
@@ -216,17 +220,176 @@ def converge(arguments):
     return 0
 
 
+def add_bench(commands):
+    """`bench`: what runs cost."""
+    parser = commands.add_parser(
+        "bench", help="measure the cost of fixed cases", description=bench.__doc__
+    )
+    parser.add_argument("names", metavar="NAME", nargs="*", help="cases; default all to 3 mm")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.set_defaults(command=bench)
+
+
+def bench(arguments):
+    """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
+    refuse_bad_target(arguments.json)
+    from fvcollapse.bench import run_bench, table
+
+    report = run_bench(arguments.names, arguments.json, quiet=arguments.quiet)
+    print(table(report))
+    return 0
+
+
+def add_workers(parser):
+    """Where many runs are made."""
+    parser.add_argument("--workers", metavar="N", type=int, default=1, help="processes; default 1")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers run the cases"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def add_sweep(commands):
+    """`sweep`: the product of variations of a case."""
+    parser = commands.add_parser(
+        "sweep", help="run a case at all combinations of values", description=sweep.__doc__
+    )
+    add_case(parser)
+    parser.add_argument(
+        "--vary",
+        dest="variations",
+        metavar="section.key=a,b,c",
+        action="append",
+        required=True,
+        help="values of one key; may be repeated",
+    )
+    add_workers(parser)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="one folder per point inside"
+    )
+    parser.set_defaults(command=sweep)
+
+
+def sweep(arguments):
+    """Run a case at all combinations of values; continue what is there; write sweep.csv."""
+    from fvcollapse.case import load_case
+
+    case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.sweep import TABLE, parse_variation, sweep, table
+
+    variations = {}
+    for text in arguments.variations:
+        key, values = parse_variation(text)
+        variations.setdefault(key, []).extend(values)
+    rows = sweep(
+        case,
+        variations,
+        arguments.out,
+        workers=arguments.workers,
+        scheduler=arguments.scheduler,
+        quiet=arguments.quiet,
+        source=str(arguments.case),
+    )
+    print(table(rows))
+    print(arguments.out / TABLE)
+    failed = [row for row in rows if row["status"] != "complete"]
+    for row in failed:
+        print(f"{row['point']}: {row['problem']}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def add_import_curves(commands):
+    """`import-curves`: files of a digitising tool as an experiment folder."""
+    parser = commands.add_parser(
+        "import-curves",
+        help="make an experiment folder of digitised curves",
+        description=import_curves.__doc__,
+    )
+    for option, what in (("--front", "time and front position"), ("--volume", "time and change")):
+        parser.add_argument(option, metavar="FILE", type=Path, help=f"{what}, in two columns")
+    for option, what in (("--profile", "x and thickness"), ("--interface", "x and height")):
+        parser.add_argument(
+            option,
+            metavar="T=FILE",
+            action="append",
+            default=[],
+            help=f"{what} at the time T [s], in two columns; may be repeated",
+        )
+    for option, choices in (
+        ("--length-unit", ("m", "dm", "cm", "mm")),
+        ("--time-unit", ("s", "ms")),
+        ("--volume-unit", ("1", "%%")),
+    ):
+        parser.add_argument(
+            option,
+            choices=[choice.replace("%%", "%") for choice in choices],
+            default=choices[0],
+            help=f"of the files: {', '.join(choices)}; default {choices[0]}",
+        )
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        metavar="section.key=value",
+        action="append",
+        default=[],
+        help="a key of the new experiment.toml; may be repeated",
+    )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="experiment folder"
+    )
+    parser.set_defaults(command=import_curves)
+
+
+def import_curves(arguments):
+    """Write digitised curves (x, y without header; any column and decimal mark) as an experiment."""
+    from fvcollapse.digitised import Source, missing_settings, write_experiment
+
+    sources = [
+        Source(name, path, None)
+        for name, path in (("front", arguments.front), ("volume", arguments.volume))
+        if path is not None
+    ]
+    for option, name in (("profile", "profiles"), ("interface", "interface")):
+        sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
+    units = arguments.length_unit, arguments.time_unit, arguments.volume_unit
+    for path in write_experiment(sources, arguments.out, *units, settings=arguments.settings):
+        print(path)
+    missing = missing_settings(arguments.out)
+    if missing:
+        print(f"still to be filled in: {missing}")
+    return 0
+
+
+def timed(option, text):
+    """(path, time [s]) of T=FILE."""
+    time, _, path = text.partition("=")
+    try:
+        number = float(time)
+    except ValueError:
+        number = float("nan")
+    if not (isfinite(number) and path):
+        raise InputError("command line", f"--{option}", repr(text), "T=FILE with a time T in s")
+    return Path(path), number
+
+
 def add_keys(commands):
     """`keys`: the table of case keys."""
     parser = commands.add_parser(
         "keys", help="list the keys of a case file", description=keys.__doc__
+    )
+    parser.add_argument(
+        "--experiment", action="store_true", help="those of experiment.toml instead"
     )
     parser.set_defaults(command=keys)
 
 
 def keys(arguments):
     """Print every key of the case file with its default, unit, range and meaning."""
-    from fvcollapse.case import describe_keys
+    if arguments.experiment:
+        from fvcollapse.experiment import describe_keys
+    else:
+        from fvcollapse.case import describe_keys
 
     rows = [("key", "default", "unit", "meaning; allowed")]
     rows += [

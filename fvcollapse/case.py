@@ -7,19 +7,20 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
-from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
 
-from fvcollapse.case_field_effects import Dilatancy
+from fvcollapse import case_effects
 from fvcollapse.case_keys import (
     Section,
     as_table,
     closest,
     key,
     key_table,
+    parse_toml,
     plain,
+    read_text,
     refusal_of_type,
     show,
     table_names,
@@ -215,13 +216,22 @@ class LateralFriction(Section):
     mu_wall: Annotated[
         float, key("-", "friction coefficient on the lateral walls", ge=0, le=10)
     ] = 0.18
+    pressure_ratio: Annotated[
+        float, key("-", "K_w: the pressure on the lateral walls is K_w p", ge=0, le=10)
+    ] = 1.0
     closure: Annotated[
-        Literal["sink", "friction_increase"],
-        key("-", "sink of momentum, or the older increase of mu_1 and mu_2"),
+        Literal["sink", "sink_weakening", "friction_increase"],
+        key("-", "sink of momentum, it weakening with depth, or an increase of mu_1 and mu_2"),
     ] = "sink"
+    deep_ratio: Annotated[
+        float, key("-", "sink_weakening: friction far below the surface over mu_wall", ge=0, le=1)
+    ] = 0.5
+    weakening_depth: Annotated[
+        float, key("m", "sink_weakening: depth over which it falls by 1/e", gt=0, le=1000)
+    ] = 0.02
     scheme: Annotated[
         Literal["implicit", "split"],
-        key("-", "closure sink: in the solve, or before the projection"),
+        key("-", "closures with a sink: in the solve, or before the projection"),
     ] = "implicit"
     flowing_thickness: Annotated[
         float,
@@ -234,11 +244,29 @@ class LateralFriction(Section):
     ] = 0.05
 
 
-class Effects(Section):
-    """What is added to the physics that the user believes; absent = off."""
-
+class _Effects(Section):
     lateral_friction: LateralFriction | None = None
-    dilatancy: Dilatancy | None = None
+    gate: case_effects.Gate | None = None
+    viscosity: case_effects.Viscosity | None = None
+    bed_friction: case_effects.BedFriction | None = None
+    dilatancy: case_effects.Dilatancy | None = None
+    cohesion: case_effects.Cohesion | None = None
+    friction_hysteresis: case_effects.FrictionHysteresis | None = None
+    erodible_bed: case_effects.ErodibleBed | None = None
+    transverse_profile: case_effects.TransverseProfile | None = None
+
+
+# `nonlocal` is a word of Python, which no class body can declare
+Effects = msgspec.defstruct(
+    "Effects",
+    [("nonlocal", case_effects.Nonlocal | None, None)],
+    bases=(_Effects,),
+    module=__name__,
+    namespace={"__doc__": "What is added to the physics that the user believes; absent = off."},
+    kw_only=True,
+    frozen=True,
+    forbid_unknown_fields=True,
+)
 
 
 class Case(Section):
@@ -294,23 +322,13 @@ def load_case(path, overrides=()):
     CaseError
         One line that names file, key, what was found and what is allowed.
     """
-    try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"a byte that is not UTF-8 at offset {error.start}"
-        raise CaseError(path, "file", found, "UTF-8 text") from None
-    except (OSError, ValueError) as error:
-        problem = (getattr(error, "strerror", None) or str(error)).lower()
-        raise CaseError(path, "file", problem, "a readable TOML file") from None
+    text = read_text(path, "TOML", CaseError)
     return case_from_text(text, path, overrides)
 
 
 def case_from_text(text, source="case", overrides=()):
     """The case in a TOML text; `source` is the file name that errors give."""
-    try:
-        table = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # broken, a number too long, nested too deep
-        raise CaseError(source, "file", f"broken TOML: {error}", "valid TOML") from None
+    table = parse_toml(text, source, CaseError)
     overridden = set()
     for override in overrides:
         path, equals, value = (part.strip() for part in override.partition("="))

@@ -2,11 +2,15 @@
 
 import json
 import re
+import tomllib
 from difflib import get_close_matches
 from functools import cache
+from pathlib import Path
 from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgspec
+
+from fvcollapse.errors import InputError
 
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -44,6 +48,29 @@ class KeyInfo(NamedTuple):
     description: str
 
 
+# -- reading -----------------------------------------------------------------------------------
+
+
+def read_text(path, kind, refuse=InputError):
+    """Text of a file; a defect is one error of the type `refuse`, which asks for `kind`."""
+    try:
+        return Path(path).read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"a byte that is not UTF-8 at offset {error.start}"
+        raise refuse(path, "file", found, "UTF-8 text") from None
+    except (OSError, ValueError) as error:
+        problem = (getattr(error, "strerror", None) or str(error)).lower()
+        raise refuse(path, "file", problem, f"a readable {kind} file") from None
+
+
+def parse_toml(text, source, refuse=InputError):
+    """Nested dictionaries of a TOML text; a defect is one error of the type `refuse`."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # broken, a number too long, nested too deep
+        raise refuse(source, "file", f"broken TOML: {error}", "valid TOML") from None
+
+
 # -- the table of all keys ---------------------------------------------------------------------
 
 
@@ -70,13 +97,14 @@ def key_metas(model):
 def key_table(model):
     """KeyInfo of all keys inside a model, as {dotted name: KeyInfo}, in the order of the model."""
     rows = {}
-    for section, inner in sections(model):
-        for name, meta in key_metas(inner).items():
-            default = getattr(inner(), name)
-            rows[f"{section}.{name}"] = KeyInfo(
-                name=f"{section}.{name}",
+    for section, inner in (("", model), *sections(model)):
+        for key_name, meta in key_metas(inner).items():
+            default = getattr(inner(), key_name)
+            name = f"{section}.{key_name}".removeprefix(".")
+            rows[name] = KeyInfo(
+                name=name,
                 unit=meta.extra["unit"],
-                allowed=allowed_words(get_type_hints(inner)[name], meta),
+                allowed=allowed_words(get_type_hints(inner)[key_name], meta),
                 default="absent" if default is None else toml_value(default),
                 description=meta.description,
             )
@@ -95,6 +123,8 @@ def allowed_words(hint, meta):
         return " or ".join(toml_value(choice) for choice in get_args(hint))
     if hint is bool:
         return "true or false"
+    if hint is str:
+        return "text"
     words = meta.extra["allowed"]
     if words.startswith("a list"):
         return words
@@ -114,6 +144,11 @@ def closest(path, model):
         if match := get_close_matches(path, candidates, n=1, cutoff=cutoff):
             return match[0]
     return names[0]
+
+
+def closest_name(name, names):
+    """The name most like another one."""
+    return (get_close_matches(name, names, n=1, cutoff=0.0) or names)[0]
 
 
 def refusal_of_type(table, model, message):

@@ -3,7 +3,7 @@
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """
 
-from math import isfinite, radians, tan
+from math import atan, degrees, isfinite, radians, tan
 
 from fvcollapse.case_keys import key_metas, sections, show
 
@@ -104,10 +104,68 @@ def rule_outputs(case):
             yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
 
 
+FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
+
+
 def rule_field_effects(case):
-    """Effects that carry a field work in the coupled solve only."""
-    if case.numerics.method != "coupled" and case.effects.dilatancy is not None:
-        yield "numerics.method", show(case.numerics.method), '"coupled" with effects.dilatancy'
+    """Effects that carry a field act on a friction coefficient, in the coupled solve."""
+    method, law = case.numerics.method, case.rheology.law
+    for name in FIELD_EFFECTS:
+        if getattr(case.effects, name) is None:
+            continue
+        if method != "coupled":
+            yield "numerics.method", show(method), f'"coupled" with effects.{name}'
+        if law not in ("mu_I", "drucker_prager"):
+            yield "rheology.law", show(law), f'"mu_I" or "drucker_prager" with effects.{name}'
+
+
+def rule_viscosity(case):
+    """The viscosity effect has a viscous part to act on, and one way to act."""
+    effect, law = case.effects.viscosity, case.rheology.law
+    if effect is None:
+        return
+    if law == "mu_I_regularised":
+        limit = "absent with rheology.law = mu_I_regularised, whose viscosity is no part of its own"
+        yield "effects.viscosity", "a table", limit
+    if effect.eta_constant is not None and effect.factor != 1.0:
+        yield "effects.viscosity.factor", f"{effect.factor:g}", "absent beside eta_constant"
+
+
+def rule_cohesion(case):
+    """The law has a yield stress to which the cohesion adds."""
+    if case.effects.cohesion is not None and case.rheology.law == "newtonian":
+        limit = 'absent with rheology.law = "newtonian", which has no yield stress'
+        yield "effects.cohesion", "a table", limit
+
+
+def rule_erodible_bed(case):
+    """The layer rests by itself, is no film, and has nothing but itself at its end."""
+    effect, weaker = case.effects.erodible_bed, case.effects.bed_friction
+    if effect is None or effect.thickness == 0.0:
+        return
+    film = case.numerics.film_thickness
+    if effect.thickness < film:
+        limit = f"0, or >= numerics.film_thickness = {film:g}"
+        yield "effects.erodible_bed.thickness", f"{effect.thickness:g}", limit
+    for name, found, allowed in (
+        ("boundary.right_end", case.boundary.right_end, "grow"),
+        ("boundary.ends", case.boundary.ends, "walls"),
+        ("geometry.polygon", "a polygon" if case.geometry.polygon else "absent", "absent"),
+    ):
+        if found != allowed:
+            yield name, show(found), f"{show(allowed)} with effects.erodible_bed"
+    bed = case.boundary.mu_bed
+    if weaker is not None and weaker.mu_bed is not None:
+        bed = weaker.mu_bed
+    friction, slope = min(case.rheology.mu_1, bed), tan(radians(slope_deg(case)))
+    if slope >= friction:
+        limit = f"below {degrees(atan(friction)):.4g}, where a layer on the bed rests by itself"
+        yield "geometry.slope_angle_deg", f"{slope_deg(case):g}", limit
+
+
+def slope_deg(case):
+    """Inclination of the bed with all effects, deg."""
+    return case.geometry.slope_angle_deg
 
 
 RULES = (
@@ -119,6 +177,9 @@ RULES = (
     rule_cells,
     rule_domain,
     rule_outputs,
+    rule_viscosity,
+    rule_cohesion,
+    rule_erodible_bed,
     rule_field_effects,
 )
 

@@ -89,6 +89,7 @@ def progress_bar(case, start, quiet):
         bar_format=layout,
         ncols=terminal.columns,
         nrows=terminal.lines,
+        leave=None,  # below a bar over several runs it goes when it is full
         disable=quiet or not sys.stderr.isatty(),
     )
 

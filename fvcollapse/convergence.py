@@ -1,20 +1,48 @@
 """Observed order, Richardson extrapolation and grid convergence index; knows nothing of runs.
 
-The procedure is that of Celik et al. (2008), J. Fluids Eng. 130, 078001. A value is taken to depend
-on the refinement size h as phi(h) = phi_0 + C h^p. From three sizes h_3 > h_2 > h_1, with
-r_21 = h_2/h_1, r_32 = h_3/h_2, eps_21 = phi_2 - phi_1, eps_32 = phi_3 - phi_2 and
-s = sign(eps_32/eps_21), the order is the fixed point of
+A value is taken to depend on the refinement size h as phi(h) = phi_0 + C h^p. From three sizes
+h_3 > h_2 > h_1, with r_21 = h_2/h_1, r_32 = h_3/h_2, eps_21 = phi_2 - phi_1, eps_32 = phi_3 - phi_2
+and s = sign(eps_32/eps_21), the order is the fixed point of
 
-    p = (ln|eps_32/eps_21| + q(p)) / ln r_21,    q(p) = ln((r_21^p - s) / (r_32^p - s)).
+    p = (ln|eps_32/eps_21| + q(p)) / ln r_21,    q(p) = ln((r_21^p - s) / (r_32^p - s))
 
-The iteration of the paper does not settle when r_32 exceeds the square of r_21, so the same fixed
-point is bracketed instead: both sides differ by a function that only grows with p, which makes it
-unique. One deviation: the paper takes the modulus of the right-hand side, and would so give a
-positive order to differences that grow on refinement. Here the sign is kept, a fixed point p <= 0
-is called diverging, and nothing is extrapolated from it. An order far from the formal one of the
-scheme means that the sizes are not in the asymptotic range. A large one makes the index needlessly
-small (two values that happen to agree), so beside it stands the index with the order limited to the
-formal 2.
+(Celik et al. 2008). The iteration of the paper does not settle when r_32 exceeds the square of r_21,
+so the same fixed point is bracketed instead: both sides differ by a function that only grows with
+p, which makes it unique. The paper takes the modulus of the right-hand side, and would so give a
+positive order to differences that grow on refinement; here the sign is kept.
+
+The index of the finest value says how far off it may be. With E = |eps_21| / (r_21^q - 1) and D the
+largest difference among the three values:
+
+| behaviour | when | index |
+|---|---|---|
+| monotone | eps_32/eps_21 > 0, 0.5 <= p <= 2 | 1.25 E, q = p but at most the formal order |
+| not asymptotic | eps_32/eps_21 > 0, p > 2 | 1.25 max(E, D), q the formal order |
+| not asymptotic | eps_32/eps_21 > 0, 0 < p < 0.5 | 3 D |
+| oscillatory | eps_32/eps_21 < 0, p > 0 | 3 D |
+| diverging | p <= 0 | 3 D |
+| undetermined | one of the differences is zero | 3 D |
+
+The first line is Celik et al., who do not limit p; limiting it to the formal order is the rule of
+Oberkampf & Roy (2010), since two values that happen to agree give a large p and a small index. The
+formal order is that of the term of lowest order, so that the index never counts on more than what
+all terms have. Beyond 2, the highest order of any term of the scheme, and below 0.5 the sizes are
+not in the asymptotic range, whatever the cause. Where no order can be trusted the range of the data
+takes the place of the extrapolated error, with the factors of Eca & Hoekstra (2008). Nothing is
+extrapolated but in the first line: an alternating sequence has its limit between its last two
+values, and Richardson's formula would leave it on the other side. As in Celik et al. the share of
+what oscillates is to be reported (`oscillating_share` for the points of a profile).
+
+A profile has no sign: its differences are L1 distances of successive profiles, so it is monotone or
+diverging, and eps_21, eps_32 enter the same formulas. (Distances to the finest profile would make
+the last of them zero by construction, and distances to an extrapolated one would presuppose the
+order that is sought.)
+
+References
+----------
+Celik, Ghia, Roache, Freitas, Coleman & Raad (2008), J. Fluids Eng. 130, 078001.
+Oberkampf & Roy (2010), Verification and Validation in Scientific Computing, chapter 8.
+Eca & Hoekstra (2008), J. Mar. Sci. Technol. 13, 328, appendix 1.
 """
 
 import math
@@ -23,8 +51,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-SAFETY = 1.25  # factor of the index for three grids or more
-FORMAL_ORDER = 2.0  # the highest of any term of the scheme
+SAFETY = 1.25  # factor of the index where the order is observed, on three grids or more
+SAFETY_UNKNOWN = 3.0  # where it is not
+LOWEST_ORDER, HIGHEST_ORDER = 0.5, 2.0  # of the asymptotic range
 ROUND_OFF = 1.0e-12  # relative; differences below it are none
 
 
@@ -34,21 +63,18 @@ class Convergence(NamedTuple):
     Attributes
     ----------
     behaviour : str
-        "monotone" or "oscillatory" (both converge), "diverging", "unchanged" (three equal values),
-        "undetermined" (two equal values, or a missing one), "not refined" (the sizes do not fall),
-        "no order" (`differences`).
+        Of the table above, or "unchanged" (three equal values), "missing" (one of them), "not
+        refined" (the sizes do not fall), "no order" (`difference_only`).
     order : float
         Observed p; negative if diverging.
     extrapolated : float
-        Richardson's value at size zero.
+        Richardson's value at size zero; none for a profile.
     relative_error : float
         |phi_1 - phi_2| / |phi_1|, approximate.
     extrapolated_error : float
         |phi_ext - phi_1| / |phi_ext|.
     gci : float
-        Index of the finest of the three: 1.25 relative_error / (r_21^p - 1).
-    gci_limited : float
-        The same with p at most 2.
+        Index of the finest of the three.
     """
 
     behaviour: str
@@ -57,72 +83,95 @@ class Convergence(NamedTuple):
     relative_error: float | None = None
     extrapolated_error: float | None = None
     gci: float | None = None
-    gci_limited: float | None = None
 
 
-def successive(sizes, values, scale=None):
+def successive(judge, sizes, values, formal_order):
     """The `Convergence` of each three successive sizes.
 
     Parameters
     ----------
-    sizes, values : sequences of float
+    judge : function
+        `convergence` or `convergence_of_profiles`.
+    sizes, values : sequences
         From coarse to fine; a value may be None. `sizes` None: differences only, without order.
-    scale : float, optional
-        What errors are relative to; default the values themselves.
+    formal_order : float
+        Order of the term of lowest order.
 
     Returns
     -------
     list of Convergence
         The last one belongs to the finest three.
     """
-    count = len(values) - 2
-    if sizes is None:
-        return [differences(values[n : n + 3], scale) for n in range(count)]
-    return [convergence(sizes[n : n + 3], values[n : n + 3], scale) for n in range(count)]
+    triplets = [slice(n, n + 3) for n in range(len(values) - 2)]
+    return [judge(sizes and sizes[three], values[three], formal_order) for three in triplets]
 
 
-def convergence(sizes, values, scale=None):
-    """The `Convergence` of three sizes, from coarse to fine; parameters as in `successive`."""
-    if not sizes[0] > sizes[1] > sizes[2] > 0.0:
-        return differences(values, scale)._replace(behaviour="not refined")
-    if any(value is None for value in values):
-        return differences(values, scale)._replace(behaviour="undetermined")
+def convergence(sizes, values, formal_order):
+    """The `Convergence` of three numbers, from coarse to fine; parameters as in `successive`."""
     coarse, medium, fine = values
-    eps_32, eps_21 = coarse - medium, medium - fine
-    error = relative(fine - medium, fine, scale)
+    error = None if medium is None or fine is None else relative(fine - medium, fine)
+    if sizes is None:
+        return Convergence("no order", relative_error=error)
+    if None in values:
+        return Convergence("missing", relative_error=error)
     none = ROUND_OFF * max(abs(value) for value in values)
+    width = max(values) - min(values)
+    found = judged(sizes, coarse - medium, medium - fine, width, none, formal_order)
+    extrapolated = extrapolated_error = None
+    if found.shift is not None:
+        extrapolated = fine + found.shift
+        extrapolated_error = relative(found.shift, extrapolated)
+    gci = None if found.index is None else relative(found.index, fine)
+    return Convergence(found.behaviour, found.order, extrapolated, error, extrapolated_error, gci)
+
+
+def convergence_of_profiles(sizes, profiles, formal_order):
+    """The same for three profiles (x, h); errors are L1 distances over the area of the finest."""
+    coarse, medium, fine = profiles
+    eps_21 = profile_distance(*medium, *fine)
+    if sizes is None:
+        return Convergence("no order", relative_error=eps_21)
+    eps_32 = profile_distance(*coarse, *medium) * area(*medium) / area(*fine)
+    width = max(eps_21, eps_32, profile_distance(*coarse, *fine))
+    found = judged(sizes, eps_32, eps_21, width, ROUND_OFF, formal_order)
+    error = None if found.shift is None else abs(found.shift)
+    return Convergence(found.behaviour, found.order, None, eps_21, error, found.index)
+
+
+class Judgement(NamedTuple):
+    """Behaviour and order; Richardson's correction of the finest value, and the index, both absolute."""
+
+    behaviour: str
+    order: float | None
+    shift: float | None
+    index: float | None
+
+
+def judged(sizes, eps_32, eps_21, width, none, formal_order):
+    """The table of this module's docstring; `width` is the largest difference of the three."""
+    if not sizes[0] > sizes[1] > sizes[2] > 0.0:
+        return Judgement("not refined", None, None, None)
     if abs(eps_32) <= none and abs(eps_21) <= none:
-        return Convergence("unchanged", None, fine, 0.0, 0.0, 0.0, 0.0)
+        return Judgement("unchanged", None, 0.0, 0.0)
     if abs(eps_32) <= none or abs(eps_21) <= none:
-        return Convergence("undetermined", relative_error=error)
+        return Judgement("undetermined", None, None, SAFETY_UNKNOWN * width)
     order = observed_order(sizes, eps_32 / eps_21)
     if order <= 0.0:
-        return Convergence("diverging", order, relative_error=error)
-    growth = growth_less_one(sizes, order)
-    limited = growth_less_one(sizes, min(order, FORMAL_ORDER))
-    extrapolated = fine - eps_21 / growth
-    return Convergence(
-        "monotone" if eps_32 * eps_21 > 0.0 else "oscillatory",
-        order,
-        extrapolated,
-        error,
-        relative(extrapolated - fine, extrapolated, scale),
-        None if error is None else SAFETY * error / growth,
-        None if error is None else SAFETY * error / limited,
-    )
+        return Judgement("diverging", order, None, SAFETY_UNKNOWN * width)
+    if eps_32 * eps_21 < 0.0:
+        return Judgement("oscillatory", order, None, SAFETY_UNKNOWN * width)
+    if order < LOWEST_ORDER:
+        return Judgement("not asymptotic", order, None, SAFETY_UNKNOWN * width)
+    limited = abs(eps_21) / growth_less_one(sizes, min(order, formal_order))
+    if order > HIGHEST_ORDER:
+        return Judgement("not asymptotic", order, None, SAFETY * max(limited, width))
+    shift = -eps_21 / growth_less_one(sizes, order)
+    return Judgement("monotone", order, shift, SAFETY * limited)
 
 
 def growth_less_one(sizes, order):
     """r_21^p - 1, without overflow."""
     return math.expm1(min(order * math.log(sizes[1] / sizes[2]), 700.0))
-
-
-def differences(values, scale=None):
-    """Only the relative difference of the finest two of three values: no order is to be expected."""
-    _, medium, fine = values
-    missing = medium is None or fine is None
-    error = None if missing else relative(fine - medium, fine, scale)
-    return Convergence("no order", relative_error=error)
 
 
 def observed_order(sizes, ratio):
@@ -163,17 +212,27 @@ def log_minus_one(exponent):
     return max(exponent, 0.0) + math.log(-math.expm1(-abs(exponent)))
 
 
-def relative(difference, value, scale=None):
-    """|difference| over the scale, or over |value| where there is none; None if that is zero."""
-    denominator = abs(value) if scale is None else scale
-    return abs(difference) / denominator if denominator > 0.0 else None
+def relative(difference, value):
+    """|difference| over |value|; None of a difference where the value vanishes beside it."""
+    if difference == 0.0:
+        return 0.0
+    ratio = abs(difference) / abs(value) if value != 0.0 else math.inf
+    return ratio if math.isfinite(ratio) else None
 
 
-def spread(values, scale=None):
+def spread(values):
     """Largest difference of any value from the last, relative; None if nothing can be compared."""
-    if any(value is None for value in values):
+    if None in values:
         return None
-    return relative(max(abs(value - values[-1]) for value in values), values[-1], scale)
+    return relative(max(abs(value - values[-1]) for value in values), values[-1])
+
+
+# -- profiles ------------------------------------------------------------------------------------
+
+
+def area(x, h):
+    """Area below a profile."""
+    return 0.5 * float(((h[:-1] + h[1:]) * np.diff(x)).sum())
 
 
 def profile_distance(x, h, x_reference, h_reference):
@@ -192,6 +251,15 @@ def profile_distance(x, h, x_reference, h_reference):
     size = np.abs(a) + np.abs(b)
     # where the gap changes sign, two triangles instead of a trapezium
     mean = np.where(a * b < 0.0, (a * a + b * b) / np.where(size > 0.0, size, 1.0), size)
-    distance = 0.5 * float((mean * np.diff(nodes)).sum())
-    area = 0.5 * float(((h_reference[:-1] + h_reference[1:]) * np.diff(x_reference)).sum())
-    return distance / area
+    return 0.5 * float((mean * np.diff(nodes)).sum()) / area(x_reference, h_reference)
+
+
+def oscillating_share(profiles):
+    """Share of the points of the finest of three profiles at which the thickness oscillates on refinement.
+
+    Counted are the nodes of the finest profile where any of the three has grains.
+    """
+    x = profiles[-1][0]
+    coarse, medium, fine = (np.interp(x, *profile, right=0.0) for profile in profiles)
+    filled = np.maximum(np.maximum(coarse, medium), fine) > 0.0
+    return float(((coarse - medium) * (medium - fine) < 0.0)[filled].mean())

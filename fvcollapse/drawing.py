@@ -11,8 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from fvcollapse.step.gate import gate_height
+from fvcollapse.effects import with_effects
+from fvcollapse.step.erodible_bed import layer_thickness
+from fvcollapse.step.gate import gate_height, gate_lift
 
 BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#666666"  # Okabe & Ito (2008)
 WIDTH = 9.0  # inch
@@ -60,7 +63,8 @@ def extent(result):
     """Length and height of the pictures: a little more than the grains ever fill."""
     x, h = result.profiles.x, result.profiles.thickness.max(axis=0)
     length = x[reach(x, h)][-1]
-    return 1.03 * max(length, x[1]), 1.12 * max(h.max(), x[1])
+    high = h.max() + layer_thickness(result.case)
+    return 1.03 * max(length, x[1]), 1.12 * max(high, x[1])
 
 
 def reach(x, h):
@@ -143,13 +147,15 @@ def largest(field, name):
 def colour_bar(figure, panels, name, top):
     """Colour bar beside a column of panels."""
     scale = ScalarMappable(norm(name, top), COLOURMAP[name])
-    figure.colorbar(scale, ax=list(panels), label=LABEL[name], fraction=0.05, pad=0.02)
+    ticks = MaxNLocator(5)  # more would overlap at the compressed end of the scale
+    figure.colorbar(scale, ax=list(panels), label=LABEL[name], fraction=0.05, pad=0.02, ticks=ticks)
 
 
-def draw_gate(axes, case, time):
-    """The gate, as far as it is still in the picture; return the artists."""
+def draw_gate(axes, case, time, origin=0.0):
+    """The gate, as far as it is still in the picture, with z measured from `origin`; return the artists."""
     top = axes.get_ylim()[1]
-    bottom = gate_height(time, case.gate.speed, case.gate.time_constant)
+    case = with_effects(case)
+    bottom = gate_height(time, gate_lift(case)) - origin
     if not bottom < top:
         return []
     length_0 = case.geometry.length_0

@@ -13,6 +13,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+try:
+    import fcntl
+except ImportError:  # not on Windows, where nothing is locked
+    fcntl = None
+
 from fvcollapse.errors import InputError, OutputError
 
 LIBVER = (
@@ -32,15 +37,15 @@ BROKEN = (
 )
 
 
-def memory_file():
+def memory_file(libver=LIBVER):
     """A new HDF5 file that lives in memory only."""
     name = f"fvcollapse-memory-{next(MEMORY_FILES)}"  # HDF5 tells open files apart by name
-    return h5py.File(name, "w", driver="core", backing_store=False, libver=LIBVER)
+    return h5py.File(name, "w", driver="core", backing_store=False, libver=libver)
 
 
-def build_image(fill):
+def build_image(fill, libver=LIBVER):
     """Bytes of the HDF5 file that `fill(file)` writes."""
-    with memory_file() as file:
+    with memory_file(libver) as file:
         fill(file)
         file.flush()
         return file.id.get_file_image()
@@ -89,6 +94,31 @@ def sync_folder(folder):
             os.fsync(handle)
         finally:
             os.close(handle)
+
+
+@contextmanager
+def exclusive(path):
+    """Hold the lock file at `path`, made with its folder if need be; whoever holds it is waited for.
+
+    The system frees it when the process dies.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise OutputError(path.parent, error, running=False) from None
+    try:
+        if fcntl is not None:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 @contextmanager

@@ -2,6 +2,8 @@
 
 Everything is a plain function of arrays or of (state, grid). Profiles live at the node abscissae
 x_i = i dx, x = 0 is the back wall and z = 0 the bed; the thickness h is measured normal to the bed.
+On an erodible bed all heights and the column volumes are measured from the initial surface of the
+layer: what a run reports is the pile, and an eroded place has a negative height.
 The pile is what h shows: grains that have left the bed (a splash) count in h where they are.
 """
 
@@ -10,14 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from fvcollapse.case import GRAVITY
+from fvcollapse.observation import seen_place
+from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
-WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral")
+WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
 LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
 ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
+# numbers that an experiment may give instead of, or beside, curves
+SCALAR_UNITS = {"runout": "m", "final_height": "m", "time_stop": "s", "peak_front_velocity": "m/s"}
 
 
 def thickness(level_set, dz):
@@ -148,6 +154,19 @@ def front_velocity(time, front):
     return velocity
 
 
+def peak_front_velocity(time, velocity):
+    """(value [m/s], time [s]) of the largest front velocity whose window is not cut at an end.
+
+    A one-sided slope is no peak; it counts only where the record is shorter than a window.
+    """
+    half = 0.5 * VELOCITY_WINDOW
+    centred = (time >= time[0] + half) & (time <= time[-1] - half)
+    if not centred.any():
+        centred = np.ones(len(time), dtype=bool)
+    peak = int(np.argmax(np.where(centred, velocity, -np.inf)))
+    return float(velocity[peak]), float(time[peak])
+
+
 def arrest_time(time, max_speed):
     """First time after which nothing reaches 1 mm/s any more [s]; None if still moving."""
     moving = np.flatnonzero(np.asarray(max_speed) >= SPEED_REST)
@@ -185,9 +204,11 @@ def measure(state, grid, quantities, energies, case):
     """
     filled = quantities["filled_fraction"]
     x = grid.dx * np.arange(grid.nx + 1)
-    h = thickness(state.level_set, grid.dz)
+    layer = layer_thickness(case)
+    h = thickness(state.level_set, grid.dz) - layer
     column_volume = filled.sum(axis=1) * (grid.dx * grid.dz)
     kept = column_volume.sum() + state.volume_outflow
+    pile = np.maximum(column_volume - layer * grid.dx, 0.0) if layer > 0.0 else column_volume
     speed = speed_centre(state)
     flowing = filled * (speed > SPEED_STATIC)
     return {
@@ -195,9 +216,9 @@ def measure(state, grid, quantities, energies, case):
         "front_position": front_position(x, h, case.front.thickness),
         "front_1mm": front_position(x, h, 1.0e-3),
         "front_10mm": front_position(x, h, 1.0e-2),
-        "x_99": x_at_volume(x, column_volume, 0.99),
+        "x_99": x_at_volume(x, pile, 0.99),
         "max_thickness": float(h.max()),
-        "detached_volume": detached_volume(x, h),
+        "detached_volume": detached_volume(x, np.maximum(h, 0.0)),
         "relative_volume": float(kept / state.volume_0 - 1.0),
         "volume_correction": float(state.volume_correction / state.volume_0),
         "kinetic_energy": float(energies["kinetic"]),
@@ -226,8 +247,8 @@ class Observations:
     """Simulated quantities in the form of an experiment folder; SI units.
 
     `front` (n, 2) is time and position; `profiles` and `interface` (n, 3) are time, x and height;
-    `volume` (n, 2) is time and relative change; `scalars` maps runout, final_height and time_stop
-    (None: still moving) to a number.
+    `volume` (n, 2) is time and relative change; `scalars` maps the names of `SCALAR_UNITS` to a number
+    (time_stop None: still moving).
     """
 
     front: np.ndarray
@@ -242,14 +263,16 @@ class Observations:
         rows += [("thickness", t, x, value, "m") for t, x, value in self.profiles]
         rows += [("volume", t, None, value, "1") for t, value in self.volume]
         rows += [("static_height", t, x, value, "m") for t, x, value in self.interface]
-        units = {"time_stop": "s"}
         return rows + [
-            (name, None, None, value, units.get(name, "m")) for name, value in self.scalars.items()
+            (name, None, None, value, SCALAR_UNITS[name]) for name, value in self.scalars.items()
         ]
 
 
 def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
+
+    The effects of the case that change what is seen and not what flows act here
+    (`fvcollapse.observation`); the series of the result itself are without them.
 
     Parameters
     ----------
@@ -270,14 +293,19 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None):
     profiles, series = result.profiles, result.series
     if front_thickness is None or front_thickness == result.case.front.thickness:
         front = np.column_stack([series["time"], series["front_position"]])
+        velocity = series["front_velocity"]
     else:
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
+        velocity = front_velocity(profiles.time, position)
+    front[:, 1] = seen_place(front[:, 1], result.case)
+    profiles = profiles._replace(x=seen_place(profiles.x, result.case))
     stop = arrest_time(series["time"], series["max_speed"])
     scalars = {
         "runout": float(front[:, 1].max()),
         "final_height": float(series["max_thickness"][-1]),
         "time_stop": None if stop is None else stop - time_origin,
+        "peak_front_velocity": peak_front_velocity(front[:, 0], velocity)[0],
     }
     volume = np.column_stack([series["time"], series["relative_volume"]])
     shift = np.array([time_origin, 0.0])

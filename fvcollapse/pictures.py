@@ -39,6 +39,7 @@ from fvcollapse.drawing import (
 from fvcollapse.errors import OutputError
 from fvcollapse.files import write_atomic
 from fvcollapse.result import open_result
+from fvcollapse.step.erodible_bed import layer_thickness
 
 STATIC, FLOWING = "#8C8C8C", "#E8C98A"
 PROFILE_PROGRESS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # parts of the way of the front
@@ -112,7 +113,7 @@ def draw_interface(result):
         axes.fill_between(x, static[j], h[j], color=FLOWING, lw=0, label="flowing (> 0.01 m/s)")
         seen = reach(x, h[j])
         axes.plot(x[seen], h[j][seen], color="black", lw=1.0)
-        draw_gate(axes, result.case, times[j])
+        draw_gate(axes, result.case, times[j], layer_thickness(result.case))
         stamp(axes, times[j])
     panels[0].legend(loc="lower right", ncols=2, frameon=False, fontsize="small")
     title(panels[0], result, "static–flowing interface")

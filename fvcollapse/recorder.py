@@ -12,6 +12,7 @@ import numpy as np
 from fvcollapse.files import memory_file, write_dataset
 from fvcollapse.observables import front_velocity, measure, numerical_loss, static_height, thickness
 from fvcollapse.state import EFFECT_FIELDS
+from fvcollapse.step.erodible_bed import layer_thickness
 
 SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
@@ -46,6 +47,10 @@ SERIES = {
     "work_bed": ("J/m", "energy dissipated by slip along the bed since t = 0"),
     "work_back_wall": ("J/m", "energy dissipated by slip along the back wall since t = 0"),
     "work_lateral": ("J/m", "energy dissipated at the lateral walls since t = 0"),
+    "work_gate": (
+        "J/m",
+        "energy dissipated along the gate less what its motion gives the grains, since t = 0",
+    ),
     "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
     "loss_advection": (
         "J/m",
@@ -55,7 +60,10 @@ SERIES = {
         "J/m",
         "potential energy lost (negative: gained) by the motion and correction of the surface since t = 0",
     ),
-    "energy_outflow": ("J/m", "energy that left through an open end since t = 0"),
+    "energy_outflow": (
+        "J/m",
+        "energy that left through an open end since t = 0, less what came with an erodible layer",
+    ),
     "numerical_loss": (
         "J/m",
         "what closes the energy budget: all that is lost to the discretisation since t = 0",
@@ -70,10 +78,11 @@ SERIES = {
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
 PROFILES = {
-    "thickness": ("m", "thickness h(X, t) normal to the bed"),
+    "thickness": ("m", "thickness h(X, t) normal to the bed; above an erodible layer, if any"),
     "static_height": (
         "m",
-        "height of the static-flowing interface (speed 0.01 m/s); 0 = moving down to the bed",
+        "height of the static-flowing interface (speed 0.01 m/s); 0 = moving down to the bed "
+        "(or to the surface of an erodible layer, negative within it)",
     ),
 }
 STEPS = {
@@ -182,16 +191,17 @@ class Recorder:
     def add_snapshot(self, simulation, landing):
         """Record the profile and the field that are due at a landing."""
         if landing.profile:
-            self.add_profile(simulation.state, simulation.grid)
+            self.add_profile(simulation)
         if landing.field:
             self.add_field(simulation)
 
-    def add_profile(self, state, grid):
-        """Append thickness and static–flowing interface."""
+    def add_profile(self, simulation):
+        """Append thickness and static–flowing interface, from the surface of an erodible layer."""
+        state, grid, layer = simulation.state, simulation.grid, layer_thickness(simulation.case)
         self.profile_times.append(state.time)
         self.x = grid.dx * np.arange(grid.nx + 1)
-        self.profiles["thickness"].append(thickness(state.level_set, grid.dz))
-        self.profiles["static_height"].append(static_height(state, grid))
+        self.profiles["thickness"].append(thickness(state.level_set, grid.dz) - layer)
+        self.profiles["static_height"].append(static_height(state, grid) - layer)
 
     def add_field(self, simulation):
         """Compress the present fields into /fields/<index>, and what ParaView needs beside."""

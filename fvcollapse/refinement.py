@@ -12,23 +12,29 @@ Each axis has its own meaning of "refinement size":
   regularisation, at a fixed grid.
 - `tolerance`: none. The error left by an iteration is bounded by the tolerance but is no power of
   it: only differences are given.
+
+The formal order of every other axis is 1: of the cell size, because the surface is of first order
+and the longest time step does not shrink with the cell; of the time step, because the implicit
+solve is; of the regularisation, because a layer at rest creeps in proportion to it. Four values or
+more are also fitted all together (`fvcollapse.least_squares`).
 """
 
 import math
-import multiprocessing
-import os
-import signal
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from fvcollapse.convergence import profile_distance, spread, successive
-from fvcollapse.errors import CaseError, InputError, NumericalError, OutputError
+from fvcollapse.convergence import (
+    convergence,
+    convergence_of_profiles,
+    oscillating_share,
+    profile_distance,
+    spread,
+    successive,
+)
+from fvcollapse.errors import CaseError, InputError, OutputError
 from fvcollapse.grid import spacing
-from fvcollapse.output import RESULT, run_case
-from fvcollapse.recorder import SAME_TIME
+from fvcollapse.least_squares import fit
+from fvcollapse.members import run_members
 from fvcollapse.result import open_result
 
 
@@ -70,6 +76,7 @@ OBSERVABLES = {  # keys of the summary, and their units
     "peak_front_velocity": "m/s",
     "arrest_time": "s",
 }
+FORMAL_ORDER = 1.0
 PROFILE = "profile_l1"
 UNITS = OBSERVABLES | {PROFILE: "1"}
 SAME_VALUE = 1.0e-9  # relative
@@ -118,77 +125,6 @@ def member_case(case, axis, value, source="case"):
     except CaseError as error:
         origin = f"{source} with --{axis.replace('_', '-')} {value:g}"
         raise CaseError(origin, error.key, error.found, error.allowed) from None
-
-
-def run_member(case, folder, quiet=True):
-    """Run a case into its folder, or continue it; nothing is done if it is finished.
-
-    Raises
-    ------
-    InputError
-        The folder holds a run of another case, or one to a later end.
-    """
-    result = run_case(case, folder, resume=True, quiet=quiet)
-    if result.case.time.end > case.time.end + SAME_TIME:
-        found = f"{case.time.end:g}"
-        allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"
-        raise InputError(Path(folder) / RESULT, "time.end", found, allowed)
-
-
-def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
-    """Run what is not finished of {folder: case}; the first failure ends the study.
-
-    What is finished is kept; a member that was running leaves its checkpoint. The next call
-    continues both.
-    """
-    if workers == 1:
-        for folder, case in cases.items():
-            with named(folder):
-                run(case, folder, quiet)
-            tell(f"{folder}: done")
-        return
-    before = set(multiprocessing.active_children())
-    handler = signal.signal(signal.SIGTERM, interrupt)
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, context, leave_interrupts_to_the_parent)
-    try:
-        # the finest takes longest: it starts first
-        futures = {pool.submit(run, cases[folder], folder): folder for folder in reversed(cases)}
-        for future in as_completed(futures):
-            with named(futures[future]):
-                future.result()
-            tell(f"{futures[future]}: done")
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - before:
-            child.terminate()  # a member that is marching saves its state first
-        raise
-    finally:
-        pool.shutdown()
-        signal.signal(signal.SIGTERM, handler)
-
-
-@contextmanager
-def named(folder):
-    """Add the folder of a member to what failed in it."""
-    try:
-        yield
-    except NumericalError as error:
-        raise NumericalError(f"{folder}: {error.what}", error.where, error.time) from None
-    except BrokenProcessPool:
-        raise NumericalError(f"{folder}: the process was killed (memory?)") from None
-
-
-def interrupt(number, frame):
-    """End a study on SIGTERM as Ctrl-C does."""
-    raise KeyboardInterrupt
-
-
-def leave_interrupts_to_the_parent():
-    """Keep Ctrl-C from a worker: it gets one signal, from the parent, that it answers by saving."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if os.name == "posix":
-        os.setpgid(0, 0)  # a marching run has its own handler of SIGINT, which this keeps idle
 
 
 # -- the study -----------------------------------------------------------------------------------
@@ -241,40 +177,52 @@ def study(axis, values, results):
     summaries = [result.summary() for result in results]
     measured = {name: [summary[name] for summary in summaries] for name in OBSERVABLES}
     records = {name: record(axis, values, sizes, of) for name, of in measured.items()}
-    distances = [final_distance(result, results[-1]) for result in results]
-    records[PROFILE] = record(axis, values, sizes, distances, scale=1.0)
+    records[PROFILE] = record_of_profiles(axis, values, sizes, results)
     return {name: {"unit": UNITS[name]} | of for name, of in records.items()}
 
 
-def final_distance(result, finest):
-    """Relative L1 distance of the final profiles of two results."""
-    ours, theirs = result.profiles, finest.profiles
-    return profile_distance(ours.x, ours.thickness[-1], theirs.x, theirs.thickness[-1])
-
-
-def record(axis, values, sizes, measured, scale=None):
+def record(axis, values, sizes, measured):
     """All numbers of one observable, ready for JSON.
 
     Lists run from coarse to fine. `order`, `extrapolated`, `gci` and the further numbers at the top
     belong to the finest three; `triplets` holds the same of every three neighbours, each with its
-    values of the axis. With a scale (the profile, a distance from the finest) errors are absolute,
-    and `extrapolated` is the distance of the finest profile from the limit.
+    values of the axis; `least_squares` is what all values say together, null for fewer than four.
     """
-    found = [outcome._asdict() for outcome in successive(sizes, measured, scale)]
-    if scale is not None:
-        # distances from the finest grid fall below zero by its own distance from the limit
-        found = [of | {"extrapolated": modulus(of["extrapolated"])} for of in found]
-    triplets = [{axis: values[n : n + 3]} | of for n, of in enumerate(found)]
+    found = successive(convergence, sizes, measured, FORMAL_ORDER)
+    fitted = fit(sizes, measured)
     return {
         axis: values,
         "value": measured,
         "refinement_size": sizes,
-        "spread": spread(measured, scale),
-        **found[-1],
-        "triplets": triplets,
-    }
+        "spread": spread(measured),
+        "least_squares": None if fitted is None else fitted._asdict(),
+    } | of_triplets(axis, values, [outcome._asdict() for outcome in found])
 
 
-def modulus(value):
-    """|value|, None staying None."""
-    return None if value is None else abs(value)
+def record_of_profiles(axis, values, sizes, results):
+    """The same for the final profiles, whose differences are L1 distances over the area.
+
+    `value` is the distance of each profile to the next finer one, null for the finest; `spread` the
+    largest distance to the finest; `oscillating` the share of the points of the profile that
+    oscillate among the three.
+    """
+    profiles = [(result.profiles.x, result.profiles.thickness[-1]) for result in results]
+    found = successive(convergence_of_profiles, sizes, profiles, FORMAL_ORDER)
+    outcomes = [
+        outcome._asdict() | {"oscillating": oscillating_share(profiles[n : n + 3])}
+        for n, outcome in enumerate(found)
+    ]
+    pairs = zip(profiles, profiles[1:], strict=False)
+    return {
+        axis: values,
+        "value": [*(profile_distance(*coarse, *fine) for coarse, fine in pairs), None],
+        "refinement_size": sizes,
+        "spread": max(profile_distance(*profile, *profiles[-1]) for profile in profiles),
+        "least_squares": None,
+    } | of_triplets(axis, values, outcomes)
+
+
+def of_triplets(axis, values, outcomes):
+    """The outcome of the finest three, and those of every three with their values of the axis."""
+    triplets = [{axis: values[n : n + 3]} | of for n, of in enumerate(outcomes)]
+    return outcomes[-1] | {"triplets": triplets}

@@ -5,9 +5,9 @@ import io
 import json
 from pathlib import Path
 
-from fvcollapse.drawing import BLUE, ORANGE, new_figure, png
 from fvcollapse.files import write_atomic
-from fvcollapse.refinement import AXES, PROFILE
+from fvcollapse.refinement import AXES, FORMAL_ORDER, PROFILE
+from fvcollapse.refinement_figure import draw_png
 
 LABELS = {
     "runout_10mm": "runout at 10 mm",
@@ -17,11 +17,10 @@ LABELS = {
     "final_thickness": "final height",
     "peak_front_velocity": "peak front velocity",
     "arrest_time": "arrest time",
-    PROFILE: "profile L1 to the finest",
+    PROFILE: "profile, L1 to the next finer",
 }
-NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci", "gci_limited")
+NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci")
 ROLES = ("coarse", "medium", "fine")
-LOGARITHMIC = ("shear_rate_min", "tolerance")  # axes that are varied by decades
 NAME = "converge"
 RATIO_LEAST = 1.3  # recommended by Celik et al. (2008)
 
@@ -41,10 +40,11 @@ def write_report(records, axis, case, folder, json_path=None):
         A second place for the JSON.
     """
     text = json.dumps(records, indent=1, allow_nan=False) + "\n"
+    labels = {name: label(name, case) for name in records}
     files = {
         folder / f"{NAME}.json": text.encode(),
         folder / f"{NAME}.csv": csv_text(records, axis).encode(),
-        folder / f"{NAME}.png": png(draw(records, axis, case)),
+        folder / f"{NAME}.png": draw_png(records, axis, labels),
     }
     if json_path is not None:
         files[Path(json_path)] = text.encode()
@@ -81,30 +81,59 @@ def csv_text(records, axis):
 
 
 def table(records, axis, case):
-    """Two blocks of aligned text: the values, and what each three neighbours say."""
+    """Blocks of aligned text: the values, what each three neighbours say, what all say; remarks."""
     values = next(iter(records.values()))[axis]
-    head = [f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]
-    rows = [head]
+    rows = [[f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]]
+    outcomes = [["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI"]]
+    fits = [["all values, least squares", "series", "order", "extrapolated", "scatter", "U"]]
     for name, record in records.items():
         first = f"{label(name, case)} ({record['unit']})"
         measured = [digits(value) for value in record["value"]]
         rows.append([first, *measured, percent(record["spread"])])
-    heads = ["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI", "GCI p<=2"]
-    outcomes = [heads]
-    for name, record in records.items():
         for triplet in record["triplets"]:
             outcomes.append([label(name, case), *outcome_cells(triplet, axis)])
-    return "\n\n".join([aligned(rows), aligned(outcomes), *remarks(values, axis)])
+        if record["least_squares"] is not None:
+            fits.append([label(name, case), *fit_cells(record["least_squares"])])
+    blocks = [aligned(rows), aligned(outcomes), *([aligned(fits)] if len(fits) > 1 else [])]
+    return "\n\n".join([*blocks, "\n".join(remarks(records, axis, values))])
 
 
-def remarks(values, axis):
-    """What the reader of the table must be warned of."""
+def remarks(records, axis, values):
+    """How the indices are to be read, and what the reader must be warned of."""
+    if AXES[axis].size is None:
+        yield "The tolerance is no refinement size: differences only."
+        return
+    yield (
+        f"GCI (Celik et al. 2008): 1.25 e_a / (r^p - 1), where p counts as {FORMAL_ORDER:g} at most."
+    )
+    yield (
+        "Without an order to trust (oscillatory, diverging, p < 0.5): 3 times the largest difference"
+        " of the three values; for p > 2 at least 1.25 times it."
+    )
+    if any(record["least_squares"] for record in records.values()):
+        yield "U, the uncertainty of the finest value from all values: Eca & Hoekstra (2014)."
+    yield oscillations(records)
     ratios = [coarse / fine for coarse, fine in zip(values, values[1:], strict=False)]
-    if AXES[axis].size is not None and min(ratios) < RATIO_LEAST:
+    if min(ratios) < RATIO_LEAST:
         yield (
             f"Neighbouring values differ by less than {RATIO_LEAST:g} times: "
             "the orders magnify what is not smooth in the values."
         )
+
+
+def oscillations(records):
+    """Which part of what was measured oscillates on refinement."""
+    found = [
+        triplet["behaviour"]
+        for name, record in records.items()
+        for triplet in record["triplets"]
+        if name != PROFILE
+    ]
+    points = records[PROFILE]["oscillating"]
+    return (
+        f"Oscillatory: {found.count('oscillatory')} of {len(found)} lines above the profile, and "
+        f"{100.0 * points:.0f} % of the points of the final profile (finest three)."
+    )
 
 
 def outcome_cells(triplet, axis):
@@ -113,6 +142,12 @@ def outcome_cells(triplet, axis):
     errors = [percent(triplet[name]) for name in NUMBERS[2:]]
     sizes = " ".join(f"{value:g}" for value in triplet[axis])
     return [sizes, triplet["behaviour"], order, digits(triplet["extrapolated"]), *errors]
+
+
+def fit_cells(fit):
+    """The cells of one line of the third block."""
+    errors = [percent(fit["deviation"]), percent(fit["uncertainty"])]
+    return [fit["series"], f"{fit['order']:.2f}", digits(fit["extrapolated"]), *errors]
 
 
 def aligned(rows):
@@ -133,42 +168,3 @@ def digits(value):
 def percent(fraction):
     """A fraction in per cent, or a dash."""
     return "-" if fraction is None else f"{100.0 * fraction:.2f} %"
-
-
-# -- the figure ----------------------------------------------------------------------------------
-
-
-def draw(records, axis, case):
-    """One panel per observable: value against size, index as error bar, extrapolated value."""
-    figure = new_figure(13.0, 6.0)
-    panels = figure.subplots(2, 4).flat
-    for axes, (name, record) in zip(panels, records.items(), strict=True):
-        draw_record(axes, record, axis, scale=1.0 if name == PROFILE else None)
-        axes.set_title(label(name, case), fontsize="medium")
-        axes.set(xlabel=f"{axis} ({AXES[axis].unit})", ylabel=record["unit"])
-    return figure
-
-
-def draw_record(axes, record, axis, scale):
-    """The values of one observable, and what the finest three say of the limit."""
-    points = [
-        (size, value)
-        for size, value in zip(record[axis], record["value"], strict=True)
-        if value is not None
-    ]
-    if axis in LOGARITHMIC:
-        axes.set_xscale("log")
-    else:
-        axes.set_xlim(0.0, 1.05 * record[axis][0])
-    if points:
-        axes.plot(*zip(*points, strict=True), color=BLUE, marker="o")
-    text = record["behaviour"]
-    if record["gci"] is not None:
-        size, value = points[-1]
-        axes.errorbar(size, value, record["gci"] * (scale or abs(value)), color=BLUE, capsize=4)
-        axes.axhline(record["extrapolated"], color=ORANGE, ls="--", lw=1.0)
-    if scale is not None:
-        axes.set_ylim(bottom=0.0)  # a distance
-    if record["order"] is not None:
-        text += f", p = {record['order']:.2f}"
-    axes.text(0.03, 0.03, text, transform=axes.transAxes, fontsize="small")

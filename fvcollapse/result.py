@@ -8,7 +8,7 @@ import numpy as np
 
 from fvcollapse.case import case_from_text
 from fvcollapse.files import reading, text_attribute
-from fvcollapse.observables import LOSSES, VELOCITY_WINDOW, WORKS, arrest_time
+from fvcollapse.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.recorder import SERIES, check_layout
 
 FORMAT = "fvcollapse-result"
@@ -69,13 +69,7 @@ class Result:
     def summary(self):
         """The numbers of the summary table, SI units; `arrest_time` is None when not at rest."""
         series, steps = self.series, self.steps
-        time, half = series["time"], 0.5 * VELOCITY_WINDOW
-        centred = (time >= time[0] + half) & (
-            time <= time[-1] - half
-        )  # a one-sided slope is no peak
-        if not centred.any():
-            centred[:] = True
-        peak = int(np.argmax(np.where(centred, series["front_velocity"], -np.inf)))
+        peak, peak_time = peak_front_velocity(series["time"], series["front_velocity"])
         return {
             "complete": self.complete,
             "time": float(series["time"][-1]),
@@ -85,8 +79,8 @@ class Result:
             "x_99": float(series["x_99"][-1]),
             "final_thickness": float(series["max_thickness"][-1]),
             "max_thickness": float(series["max_thickness"].max()),
-            "peak_front_velocity": float(series["front_velocity"][peak]),
-            "peak_front_velocity_time": float(series["time"][peak]),
+            "peak_front_velocity": peak,
+            "peak_front_velocity_time": peak_time,
             "arrest_time": arrest_time(series["time"], series["max_speed"]),
             "final_max_speed": float(series["max_speed"][-1]),
             "volume_error_max": float(np.abs(series["relative_volume"]).max()),

@@ -12,21 +12,17 @@ from typing import NamedTuple
 import numpy as np
 
 from .case import GRAVITY
+from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, projection, quantities
 from .step.banded import allocate_band
-from .step.dilatancy import (
-    carry_fraction,
-    dilatancy_law,
-    initial_fraction,
-    limit_dilatancy,
-    start_dilatancy,
-)
+from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
+from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import gate_height, open_fractions
+from .step.gate import fill_gate, gate_height, gate_lift, gate_velocity, open_fractions
 from .step.geometry import (
     allocate_geometry,
     fill_cells,
@@ -37,11 +33,20 @@ from .step.geometry import (
     repeat_columns,
     wetted_edge,
 )
-from .step.initial import HALO, MARGIN, initial_grid, initial_state
-from .step.lateral_friction import brake_before_solve
+from .step.grain_response import (
+    carry_response,
+    extend_response,
+    finish_response,
+    prepare_response,
+    response_of,
+    start_response,
+)
+from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
+from .step.lateral_friction import brake_before_solve, sink_constants
 from .step.momentum import advect_momentum
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
@@ -75,18 +80,20 @@ class Simulation:
     """
 
     def __init__(self, case, state=None):
-        self.case = case
+        self.case = case = with_effects(case)
         grid = initial_grid(case)
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0
         self.gate_column = -1 if self.halo else gate_column(case)
+        self.lift, self.layer = gate_lift(case), layer_thickness(case)
+        self.shape_factor = shape_factor_of(case)
         self.material = material(case)
-        self.dilatancy = dilatancy_law(case)
-        self.packing_0 = initial_fraction(case) / self.dilatancy.fraction_bulk
+        self.response = response_of(case)
+        self.packing_0 = initial_fraction(case) / self.response.dilatancy.fraction_bulk
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
         self.state = initial_state(case, grid) if state is None else state
-        start_dilatancy(self.state, case)
+        start_response(self.state, case)
         self._allocate()
         if state is None:
             self._settle()
@@ -107,7 +114,7 @@ class Simulation:
     def cell_quantities(self):
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
         return quantities.cell_quantities(
-            self.state, self.geometry, self.material, self.dilatancy, *self.spacing
+            self.state, self.geometry, self.material, self.response, *self.spacing
         )
 
     def energies(self):
@@ -189,31 +196,15 @@ class Simulation:
         dx, dz = self.spacing
         self._repeat(state.level_set, state.u, state.w)
         packing = self._packing()
-        correction = self._move_surface(dt, start.level_set)
-        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
-        advect_momentum(
-            u_star,
-            w_star,
-            state.u,
-            state.w,
-            state.bed_slip,
-            self.geometry.aperture,
-            start.level_set,
-            state.level_set,
-            packing,
-            dt,
-            dx,
-            dz,
-        )
+        correction = self._move_surface(dt)
+        u_star, w_star = self._advect_momentum(start.level_set, packing, dt)
         self._place(state.time + dt)
         balance = self._balance(dt)
         impulse = self._split_friction(u_star, w_star, balance)
         if impulse is not None:
             balance = balance._replace(wall_strength=0.0)
         outcome = self._solve(u_star, w_star, impulse, balance)
-        if state.dilation_rate is not None:
-            state.dilation_rate[:] = self.work.source
-            self._repeat(state.dilation_rate)
+        self._finish_response(dt)
         solved = self._book_energy(u_star, w_star, impulse, balance)
         self._continue_velocity()
         energy = self.energies()
@@ -230,19 +221,17 @@ class Simulation:
         )  # beyond the surface too
         dt = min(
             step_max,
-            limit_advection(fastest, case.time.cfl, h),
+            limit_advection(self.shape_factor * fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
-            limit_gate(case.gate.speed, moving, dz),
-            math.inf
-            if self.state.dilation_rate is None
-            else limit_dilatancy(self.state.dilation_rate),
+            limit_gate(self.lift.speed, moving, dz),
+            limit_dilatancy(self.state.dilation_rate),
         )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
     def gate_is_moving(self):
         """Whether the gate still touches the mass."""
-        height = gate_height(self.state.time, self.case.gate.speed, self.case.gate.time_constant)
-        return self.case.gate.speed > 0.0 and height < self.grid.nz * self.spacing[1]
+        height = gate_height(self.state.time, self.lift)
+        return self.lift.speed > 0.0 and height < self.grid.nz * self.spacing[1]
 
     def max_speed(self):
         """Largest velocity component on the faces of the grains, m/s."""
@@ -256,10 +245,27 @@ class Simulation:
         """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
         if self.state.solid_fraction is None:
             return np.ones_like(self.state.pressure_filled)
-        return self.state.solid_fraction / self.dilatancy.fraction_bulk
+        return self.state.solid_fraction / self.response.dilatancy.fraction_bulk
 
-    def _move_surface(self, dt, phi_old):
+    def _finish_response(self, dt):
+        """Fields that the effects carry, after the solve."""
+        state, work = self.state, self.work
+        finish_response(
+            work.response,
+            state,
+            work.e_centre,
+            work.g_node,
+            self.geometry,
+            self.material,
+            self.response,
+            dt,
+            *self.spacing,
+        )
+        self._repeat(*(getattr(state, name) for name in state.effect_fields()))
+
+    def _move_surface(self, dt):
         state, (dx, dz) = self.state, self.spacing
+        phi_old = state.level_set.copy() if state.effect_fields() else None
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
         u_surface, w_surface = np.empty_like(u_node), np.empty_like(w_node)
@@ -282,9 +288,9 @@ class Simulation:
             level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
             state.travel, state.travel_steps = 0.0, 0
         self._repeat(state.level_set)
-        if state.solid_fraction is not None:
-            carry_fraction(state, self.geometry.aperture, phi_old, dt, dx, dz)
-            self._repeat(state.solid_fraction)
+        if phi_old is not None:
+            carry_response(state, self.geometry.aperture, phi_old, dt, dx, dz)
+            self._repeat(*(getattr(state, name) for name in state.effect_fields()))
         self.outflow = Outflow(0.0, 0.0)
         if fastest == 0.0:
             return 0.0
@@ -300,6 +306,26 @@ class Simulation:
         )
         state.volume_correction += abs(added)
         return added
+
+    def _advect_momentum(self, old_level_set, packing, dt):
+        """Velocity (u*, w*) after the mass between the old and the new surface has carried it for dt."""
+        state = self.state
+        u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
+        advect_momentum(
+            u_star,
+            w_star,
+            state.u,
+            state.w,
+            state.bed_slip,
+            self.geometry.aperture,
+            old_level_set,
+            state.level_set,
+            packing,
+            dt,
+            *self.spacing,
+            self.shape_factor,
+        )
+        return u_star, w_star
 
     def _book_outflow(self, u_node, w_node, dt):
         """Volume and energy that cross an open end during the step."""
@@ -323,8 +349,8 @@ class Simulation:
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
-        geometry, gate = self.geometry, self.case.gate
-        height = 0.0 if closed else gate_height(time, gate.speed, gate.time_constant)
+        geometry = self.geometry
+        height = self.lift.foot if closed else gate_height(time, self.lift)
         open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
         fill_cells(
             geometry.filled,
@@ -344,6 +370,10 @@ class Simulation:
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
+        if self.case.effects.gate is not None:
+            fill_gate(
+                geometry.gate_cover, self.state.level_set, geometry.aperture, self.gate_column
+            )
         fill_reach(geometry.reach, geometry.filled)
         self.ends = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
@@ -403,8 +433,7 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
-        if state.solid_fraction is not None:
-            self.work.solid_fraction[:] = state.solid_fraction
+        prepare_response(self.work.response, state, self.response)
         return coupled.solve(
             state.u,
             state.w,
@@ -425,13 +454,7 @@ class Simulation:
     def _balance(self, dt, max_sweeps=None, tolerance=None):
         case, numerics = self.case, self.case.numerics
         walls = case.effects.lateral_friction
-        strength = 0.0
-        if (
-            walls is not None
-            and walls.closure == "sink"
-            and math.isfinite(case.geometry.channel_width)
-        ):
-            strength = 2.0 * walls.mu_wall / case.geometry.channel_width
+        strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
         scale = math.sqrt(GRAVITY * case.geometry.height_0)
         rate_start = (
             0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
@@ -451,17 +474,29 @@ class Simulation:
             0.01 * scale,
             max_sweeps or numerics.max_sweeps,
             rate_start,
-            self.dilatancy,
+            deep_ratio,
+            weakening_depth,
+            self.gate_column,
+            gate_velocity(self.state.time + dt, self.lift),
+            case.effects.gate.mu_gate if case.effects.gate is not None else 0.0,
+            self.response,
         )
 
     def _continue_velocity(self):
         state = self.state
         known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
         mark_known(
-            known_u, known_w, self.geometry, self.case.numerics.film_thickness, self.spacing[1]
+            known_u,
+            known_w,
+            self.geometry,
+            self.work.constrained,
+            self.case.numerics.film_thickness,
+            self.spacing[1],
         )
         extrapolate(state.u, known_u, LAYERS)
         extrapolate(state.w, known_w, LAYERS)
+        if self.layer > 0.0:
+            state.u[-1] = 0.0  # the wall that closes the layer
         self._repeat(state.u, state.w)
         close_divergence(
             state.u,
@@ -487,7 +522,7 @@ class Simulation:
         wet = filled > 0.0
         extra_x = extra_z = 0
         right_end = self.case.boundary.right_end
-        if right_end == "grow" and wet[nx - MARGIN :].any():
+        if right_end == "grow" and self._is_near_end(wet):
             extra_x = GROWTH
         if right_end == "error" and wet[nx - 1].any():
             raise NumericalError(
@@ -499,21 +534,36 @@ class Simulation:
             extra_z = MARGIN
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
+            extend_response(self.state, self.case, nx, nz)
             self._allocate()
+            if extra_x and self.layer > 0.0:
+                extend_layer(self.state, extra_x, self.layer, self.grid.z_nodes, self.spacing[0])
             self._place(self.state.time)
+            if extra_x and self.layer > 0.0:
+                self._book_layer()
+
+    def _is_near_end(self, wet):
+        """Whether the grains come near the far end; those of an erodible layer, whether they move there."""
+        if self.layer > 0.0:
+            return moves_near_end(self.state, self.geometry, MARGIN)
+        return wet[len(wet) - MARGIN :].any()
+
+    def _book_layer(self):
+        """Energy of the layer by which the domain has grown: it has flowed in."""
+        before, self.energy = self.energy, self.energies()
+        self.state.energy_outflow += float(before["potential"] - self.energy["potential"])
 
     def _settle(self):
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        cells = level_set.volume(state.level_set, np.ones_like(state.pressure_filled))
-        state.volume_0 = cells * self.spacing[0] * self.spacing[1]
+        state.volume_0 = initial_volume(state.level_set, self.grid)
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(
             np.zeros_like(state.u),
             np.zeros_like(state.w),
-            self._balance(1.0, max_sweeps=100, tolerance=1e-6),
+            self._balance(1.0, max_sweeps=100, tolerance=1e-6)._replace(gate_speed=0.0),
         )
         state.u[:] = 0.0
         state.w[:] = 0.0

@@ -16,22 +16,30 @@ FIELDS = {
 EFFECT_FIELDS = {
     "solid_fraction": ("dilatancy", "centre", "1", "volume of the grains over volume of the cell"),
     "dilation_rate": ("dilatancy", "centre", "1/s", "imposed rate of volume change, div u"),
+    "settled_share": (
+        "friction_hysteresis",
+        "centre",
+        "1",
+        "share of the contacts that have settled: 1 at rest, 0 in flow",
+    ),
+    "fluidity": ("nonlocal", "centre", "1/s", "granular fluidity, shear rate over tau/p"),
 }
 SCALARS = {
     "time": ("s", "time since the gate starts to rise"),
     "step": ("1", "number of completed steps"),
     "dt": ("s", "length of the last step"),
-    "volume_0": ("m2", "volume per unit width at t = 0"),
+    "volume_0": ("m2", "volume per unit width at t = 0, and of the layer by which the domain grew"),
     "volume_correction": ("m2", "running sum of the absolute volume corrections"),
     "volume_outflow": ("m2", "volume that has left through an open end"),
     "work_bulk": ("J/m", "work against the viscous stress inside the grains since t = 0"),
     "work_bed": ("J/m", "work against the friction of the bed"),
     "work_back_wall": ("J/m", "work against the friction of the back wall"),
     "work_lateral": ("J/m", "work against the friction of the lateral walls"),
+    "work_gate": ("J/m", "work against the friction of the gate, less what its motion gives"),
     "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
     "loss_advection": ("J/m", "kinetic energy lost by the advection of momentum"),
     "loss_surface": ("J/m", "potential energy lost by the motion and correction of the surface"),
-    "energy_outflow": ("J/m", "energy that has left through an open end"),
+    "energy_outflow": ("J/m", "energy that has left through an open end, or come with a layer"),
     "travel": (
         "1",
         "cells the fastest point has moved since the signed distance was last restored",
@@ -59,6 +67,7 @@ class State:
     work_bed: float = 0.0
     work_back_wall: float = 0.0
     work_lateral: float = 0.0
+    work_gate: float = 0.0
     loss_time: float = 0.0
     loss_advection: float = 0.0
     loss_surface: float = 0.0
@@ -67,6 +76,8 @@ class State:
     travel_steps: int = 0
     solid_fraction: np.ndarray | None = None
     dilation_rate: np.ndarray | None = None
+    settled_share: np.ndarray | None = None
+    fluidity: np.ndarray | None = None
 
     def effect_fields(self):
         """Names of the fields that the effects carry in this state."""

@@ -12,6 +12,7 @@ import fvcollapse
 from fvcollapse import open_result, output, recorder
 from fvcollapse.case import Case, case_from_text
 from fvcollapse.console import progress_bar
+from fvcollapse.observables import SCALAR_UNITS
 
 SERIES = [
     "time",
@@ -31,6 +32,7 @@ SERIES = [
     "work_bed",
     "work_back_wall",
     "work_lateral",
+    "work_gate",
     "loss_time",
     "loss_advection",
     "loss_surface",
@@ -195,7 +197,7 @@ def test_observe_takes_the_threshold_and_origin_of_an_experiment(case, folder):
     assert plain.profiles.shape == (result.profiles.thickness.size, 3)
     names = {row[0] for row in plain.rows()}
     assert names == {
-        "front", "thickness", "volume", "static_height", "runout", "final_height", "time_stop",
+        "front", "thickness", "volume", "static_height", *SCALAR_UNITS,
     }  # fmt: skip
 
 

@@ -53,8 +53,8 @@ def transport_cells(values, u, w, aperture, phi_old, phi_new, dt, dx, dz):
     volume_fluxes(flux_x, flux_z, u, w, aperture, phi_old, phi_new, dt, dx, dz)
     fluxes = cell_fractions(phi_old), flux_x[1:-1].copy(), flux_z, flux_x[-1].copy(), 1, 0
     first, second = np.empty_like(values), np.empty_like(values)
-    transport(first, values, np.pad(values, 2, mode="symmetric"), *fluxes)
-    transport(second, values, np.pad(first, 2, mode="symmetric"), *fluxes)
+    transport(first, values, np.pad(values, 2, mode="symmetric"), *fluxes, 1.0)
+    transport(second, values, np.pad(first, 2, mode="symmetric"), *fluxes, 1.0)
     return continue_to_air(0.5 * (first + second), cell_fractions(phi_new))
 
 

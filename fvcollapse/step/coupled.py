@@ -19,8 +19,17 @@ from numba import njit
 
 from .banded import factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
-from .dilatancy import FULL_SWEEPS, Dilatancy, dilate
+from .gate import gate_friction
 from .geometry import WET, last_face
+from .grain_response import (
+    Response,
+    ResponseWork,
+    add_extra_friction,
+    add_source,
+    allocate_response,
+    relax_late,
+    respond,
+)
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
 from .strain import strain_rates
@@ -31,7 +40,7 @@ MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full o
 
 
 class Balance(NamedTuple):
-    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w / w, 0 without lateral walls."""
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
 
     dt: float
     density: float
@@ -47,14 +56,16 @@ class Balance(NamedTuple):
     speed_scale: float
     max_sweeps: int
     rate_start: float
-    dilatancy: Dilatancy
+    wall_deep_ratio: float
+    wall_weakening_depth: float
+    gate_column: int
+    gate_speed: float
+    mu_gate: float
+    response: Response
 
 
 class Work(NamedTuple):
-    """Scratch arrays of the sweeps on one grid shape.
-
-    friction_before and solid_fraction are set before the solve, if an effect needs them.
-    """
+    """Scratch arrays of the sweeps on one grid shape."""
 
     e_centre: np.ndarray
     g_node: np.ndarray
@@ -63,17 +74,15 @@ class Work(NamedTuple):
     k_bed: np.ndarray
     k_wall: np.ndarray
     wall_slip: np.ndarray
+    k_gate: np.ndarray
+    gate_slip: np.ndarray
     pressure_x: np.ndarray
     pressure_z: np.ndarray
     sink_x: np.ndarray
     sink_z: np.ndarray
     constrained: np.ndarray
     multiplier: np.ndarray
-    source: np.ndarray
-    penalty: np.ndarray
-    extra_friction: np.ndarray
-    friction_before: np.ndarray
-    solid_fraction: np.ndarray
+    response: ResponseWork
 
 
 class Outcome(NamedTuple):
@@ -101,58 +110,62 @@ def allocate_work(nx, nz):
         np.zeros(nx + 1),
         np.zeros(nz + 1),
         np.zeros(nz + 1),
+        np.zeros(nz + 1),
+        np.zeros(nz + 1),
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz), np.bool_),
-        *(np.zeros((nx, nz)) for _ in range(6)),
+        np.zeros((nx, nz)),
+        allocate_response(nx, nz),
     )
 
 
 @njit(cache=True)
-def grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz):
-    """Strain rates, and what the effects make of them: extra friction, source and penalty of div u = s.
-
-    The source goes the `share` of the way to its new value.
-    """
-    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-    if balance.dilatancy.factor == 0.0:
-        work.extra_friction[:] = work.friction_before
-        work.penalty[:] = balance.penalty
-        return
-    dilate(
-        work.source,
-        work.penalty,
-        work.extra_friction,
-        work.friction_before,
-        work.solid_fraction,
+def answer(work, pressure_filled, geometry, material, balance, dx, dz):
+    """What the effects make of the strain rates in `work`."""
+    respond(
+        work.response,
         work.e_centre,
         work.g_node,
         pressure_filled,
         geometry,
         material,
-        balance.dilatancy,
+        balance.response,
         balance.penalty,
         balance.dt,
-        share,
+        dx,
+        dz,
     )
 
 
 @njit(cache=True)
-def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz):
+def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
-    grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, share, dx, dz)
+    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    if balance.response.active:
+        answer(work, pressure_filled, geometry, material, balance, dx, dz)
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
         work.e_centre,
         work.g_node,
         pressure_filled,
-        work.extra_friction,
         geometry,
         material,
     )
+    if balance.response.active:
+        add_extra_friction(
+            work.weight_centre,
+            work.weight_node,
+            work.response.extra_friction,
+            work.e_centre,
+            work.g_node,
+            pressure_filled,
+            geometry,
+            material,
+        )
     bed_friction(
         work.k_bed,
         bed_slip,
@@ -160,7 +173,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
-        work.extra_friction,
+        work.response.extra_friction,
         geometry,
         material,
         balance.gz,
@@ -175,7 +188,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
-        work.extra_friction,
+        work.response.extra_friction,
         geometry,
         material,
         balance.gx,
@@ -183,8 +196,30 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         balance.mu_back_wall,
         dx,
     )
+    if balance.mu_gate > 0.0:
+        gate_friction(
+            work.k_gate,
+            work.gate_slip,
+            w,
+            pressure_filled,
+            work.weight_centre,
+            work.e_centre,
+            work.response.extra_friction,
+            geometry,
+            material,
+            balance,
+            dx,
+        )
     if balance.wall_strength > 0.0:
-        face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+        face_pressures(
+            work.pressure_x,
+            work.pressure_z,
+            pressure_filled,
+            geometry,
+            balance.wall_deep_ratio,
+            balance.wall_weakening_depth,
+            dz,
+        )
         sink_coefficients(
             work.sink_x,
             work.sink_z,
@@ -225,17 +260,18 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                 if i == 0:
                     band[n, 0] += work.k_wall[k] / dx
                 rhs[n] = m * w_star[i, k] + balance.density * balance.gz * mass
+                if i == balance.gate_column - 1:
+                    band[n, 0] += work.k_gate[k] / dx
+                    rhs[n] += work.k_gate[k] / dx * balance.gate_speed
 
 
 @njit(cache=True)
-def add_pressure_force(rhs, pressure_filled, work, geometry, dx, dz):
-    """Rhs += B^T (P + r s): minus the discrete pressure gradient, and the source of the constrained cells."""
+def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
+    """Rhs += B^T P: minus the discrete pressure gradient."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             p = pressure_filled[i, k]
-            if work.constrained[i, k]:
-                p += work.penalty[i, k] * work.source[i, k]
             if p != 0.0:
                 if iu[i, k] >= 0:
                     rhs[iu[i, k]] -= p * aperture[i, k] / dx
@@ -245,6 +281,22 @@ def add_pressure_force(rhs, pressure_filled, work, geometry, dx, dz):
                     rhs[iw[i, k]] -= p / dz
                 if iw[i, k + 1] >= 0:
                     rhs[iw[i, k + 1]] += p / dz
+
+
+@njit(cache=True)
+def assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
+    """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
+    band[:] = 0.0
+    add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
+    add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
+    add_incompressibility(band, balance.penalty, work.constrained, geometry, dx, dz)
+    for i in range(work.constrained.shape[0]):
+        for k in range(work.constrained.shape[1]):
+            if not work.constrained[i, k]:
+                pressure_filled[i, k] = 0.0
+    add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+    if balance.response.dilatancy.factor > 0.0:
+        add_source(band, rhs, work.response, work.constrained, geometry, balance.penalty, dx, dz)
 
 
 @njit(cache=True)
@@ -276,18 +328,18 @@ def take_solution(u, w, solution, geometry):
 
 
 @njit(cache=True)
-def start_constraints(work, u, w, pressure_filled, geometry, unilateral, dx, dz):
+def start_constraints(constrained, source, u, w, pressure_filled, geometry, unilateral, dx, dz):
     """Cells in which div u = s is imposed first: all wet ones, or those under pressure or being compressed."""
-    nx, nz = work.constrained.shape
+    nx, nz = constrained.shape
     for i in range(nx):
         for k in range(nz):
             wet = geometry.filled[i, k] > WET
             if not wet:
                 pressure_filled[i, k] = 0.0
-            work.constrained[i, k] = wet and (
+            constrained[i, k] = wet and (
                 not unilateral
                 or pressure_filled[i, k] > 0.0
-                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= work.source[i, k]
+                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= source[i, k]
             )
 
 
@@ -296,23 +348,24 @@ def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_releas
     """P -= r (div u - s) where constrained, then release and take up cells; return the largest |div u - s|."""
     largest = 0.0
     multiplier, constrained = work.multiplier, work.constrained
+    source, penalty = work.response.source, work.response.penalty
     multiplier[:] = 0.0
     for i in range(constrained.shape[0]):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] <= WET:
                 continue
-            excess = divergence(u, w, geometry.aperture, i, k, dx, dz) - work.source[i, k]
+            div = divergence(u, w, geometry.aperture, i, k, dx, dz) - source[i, k]
             if constrained[i, k]:
-                p = pressure_filled[i, k] - work.penalty[i, k] * excess
+                p = pressure_filled[i, k] - penalty[i, k] * div
                 multiplier[i, k] = p
                 if balance.unilateral and p < 0.0:
                     p = 0.0
                     if may_release:
                         constrained[i, k] = False
                 else:
-                    largest = max(largest, abs(excess))
+                    largest = max(largest, abs(div))
                 pressure_filled[i, k] = p
-            elif excess < 0.0:
+            elif div < 0.0:
                 constrained[i, k] = True
     return largest
 
@@ -367,6 +420,8 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                     + friction * w[i, k]
                     - balance.density * balance.gz * mass
                 )
+                if i == balance.gate_column - 1:
+                    residual[iw[i, k]] += work.k_gate[k] / dx * (w[i, k] - balance.gate_speed)
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0
     for n in range(residual.size):
@@ -421,10 +476,24 @@ def solve(
     u_star, w_star : arrays
         Velocity after advection.
     """
-    if balance.dilatancy.factor > 0.0:  # the source says which cells are being compressed
-        work.source[:] = 0.0
-        grain_state(work, u, w, pressure_filled, bed_slip, geometry, material, balance, 1.0, dx, dz)
-    start_constraints(work, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
+    answered = work.response
+    answered.source[:] = 0.0
+    answered.penalty[:] = balance.penalty
+    if balance.response.dilatancy.factor > 0.0:  # the source says which cells are being compressed
+        strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+        relax_late(answered, 0)
+        answer(work, pressure_filled, geometry, material, balance, dx, dz)
+    start_constraints(
+        work.constrained,
+        answered.source,
+        u,
+        w,
+        pressure_filled,
+        geometry,
+        balance.unilateral,
+        dx,
+        dz,
+    )
     change = residual = div_max = math.inf
     sweeps = info = 0
     settled = False
@@ -435,21 +504,11 @@ def solve(
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         softened = with_shear_rate_min(material, rate)
-        share = 1.0 if sweep < FULL_SWEEPS else 0.5
-        coefficients(
-            work, u, w, pressure_filled, bed_slip, geometry, softened, balance, share, dx, dz
-        )
+        relax_late(answered, sweep)
+        coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
         previous = friction
         friction = bed_force(work, u, geometry)
-        band[:] = 0.0
-        add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-        add_viscous(band, work.weight_centre, work.weight_node, geometry, dx, dz)
-        add_incompressibility(band, work.penalty, work.constrained, geometry, dx, dz)
-        for i in range(work.constrained.shape[0]):
-            for k in range(geometry.reach[i]):
-                if not work.constrained[i, k]:
-                    pressure_filled[i, k] = 0.0
-        add_pressure_force(rhs, pressure_filled, work, geometry, dx, dz)
+        assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz)
         info = factorise(band, ends)
         if info != 0:
             break

@@ -1,6 +1,6 @@
 """Dilatancy: the solid fraction nu of the sheared grains changes, and mass instead of volume is conserved.
 
-    div u = shear_rate tan(psi),    tan(psi) = K (nu - nu_eq(I)),    nu_eq = nu_max - b min(I, 1),
+    div u = shear_rate tan(psi),    tan(psi) = K (nu - nu_eq(I)),    nu_eq = nu_c - b min(I, 1),
     nu_t + u . grad nu = -nu div u,    friction coefficient mu(I) + tan(psi)
 
 Grains denser than nu_eq expand when sheared and rub more, looser ones contract and rub less, until
@@ -51,10 +51,10 @@ FULL_SWEEPS = 6  # nonlinear sweeps before the source is relaxed
 
 
 class Dilatancy(NamedTuple):
-    """K (0: no dilatancy), nu_max and b of the module docstring; `fraction_bulk` is that of density_bulk."""
+    """K (0: no dilatancy), nu_c and b of the module docstring; `fraction_bulk` is that of density_bulk."""
 
     factor: float
-    fraction_max: float
+    fraction_critical: float
     slope: float
     fraction_bulk: float
 
@@ -66,7 +66,7 @@ def dilatancy_law(case):
     if effect is None:
         return Dilatancy(0.0, bulk, 0.0, bulk)
     return Dilatancy(
-        effect.dilatancy_factor, effect.solid_fraction_max, effect.solid_fraction_slope, bulk
+        effect.dilatancy_factor, effect.solid_fraction_critical, effect.solid_fraction_slope, bulk
     )
 
 
@@ -86,15 +86,15 @@ def start_dilatancy(state, case):
 
 
 def limit_dilatancy(dilation_rate):
-    """No cell changes its volume by more than `CHANGE_PER_STEP` in one step, s."""
-    fastest = np.abs(dilation_rate).max()
+    """No cell changes its volume by more than `CHANGE_PER_STEP` in one step, s; None: no dilatancy."""
+    fastest = 0.0 if dilation_rate is None else np.abs(dilation_rate).max()
     return CHANGE_PER_STEP / fastest if fastest > 0.0 else math.inf
 
 
 @njit(cache=True)
 def equilibrium_fraction(inertial, law):
-    """nu_eq = nu_max - b min(I, 1), dimensionless."""
-    return law.fraction_max - law.slope * min(inertial, 1.0)
+    """nu_eq = nu_c - b min(I, 1), dimensionless."""
+    return law.fraction_critical - law.slope * min(inertial, 1.0)
 
 
 @njit(cache=True)

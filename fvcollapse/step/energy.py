@@ -23,14 +23,16 @@ class Work(NamedTuple):
     """Work done against each resistance, J/m.
 
     bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included,
-    less what the grains do against the pressure in dilating;
-    bed, back_wall: slip along them; lateral: the channel's side walls.
+    less what the grains do against the pressure in dilating; bed, back_wall: slip along them;
+    lateral: the channel's side walls; gate: friction along it less what its motion gives the
+    grains, so it may be negative.
     """
 
     bulk: float
     bed: float
     back_wall: float
     lateral: float
+    gate: float
 
 
 class Loss(NamedTuple):
@@ -133,14 +135,28 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     bed_shear = dx * np.sum(scratch.k_bed * bed_u**2) - bed
     wall = dz * np.sum(scratch.k_wall * np.abs(wall_w) * scratch.wall_slip)
     wall_shear = dz * np.sum(scratch.k_wall * wall_w**2) - wall
+    gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     volume = dx * dz
     bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
-    bulk -= volume * dilation_power(scratch.source, state.pressure_filled, geometry)
+    if balance.response.dilatancy.factor > 0.0:
+        bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
     lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:
         lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)
     lateral *= volume
-    return Work(dt * (bulk + bed_shear + wall_shear), dt * bed, dt * wall, dt * lateral)
+    bulk += bed_shear + wall_shear + gate_shear
+    return Work(dt * bulk, dt * bed, dt * wall, dt * lateral, dt * gate)
+
+
+def gate_work(scratch, w, geometry, balance, dz):
+    """Power that the gate takes from the grains, and that of the shear in the half cell beside it, W/m."""
+    column = balance.gate_column - 1
+    if balance.mu_gate == 0.0 or column < 0:
+        return 0.0, 0.0
+    relative = np.where(geometry.index_w[column] >= 0, w[column] - balance.gate_speed, 0.0)
+    slip = dz * np.sum(scratch.k_gate * np.abs(relative) * scratch.gate_slip)
+    given = -dz * balance.gate_speed * np.sum(scratch.k_gate * relative)
+    return slip - given, dz * np.sum(scratch.k_gate * relative**2) - slip
 
 
 def loss_of_step(

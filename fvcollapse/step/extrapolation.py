@@ -8,7 +8,9 @@ from .stencils import minmod
 
 LAYERS = 7  # the level-set band plus the reach of the advection stencils
 TRUSTED_U = 0.05  # part of a full face mass below which u is continued from behind
-TRUSTED_W = 1.0e-4  # the same for w, which div u = 0 determines well even in a nearly empty cell
+TRUSTED_W = (
+    1.0e-4  # the same for w, where div u = 0 determines it; not beside cells that are free to open
+)
 SOLENOIDAL_LAYERS = (
     2  # empty cells beyond the surface in which the continued velocity is made divergence-free
 )
@@ -114,7 +116,7 @@ def _mean_of_known(field, known, i, k):
 
 
 @njit(cache=True)
-def mark_known(known_u, known_w, geometry, film_thickness, dz):
+def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it
@@ -133,7 +135,9 @@ def mark_known(known_u, known_w, geometry, film_thickness, dz):
             known_u[i, k] = 1 if solid or (wet and not film) else 0
         if i > 0:
             for k in range(nz + 1):
-                wet = geometry.index_w[i - 1, k] >= 0 and geometry.mass_z[i - 1, k] >= TRUSTED_W
+                closed = k > 0 and constrained[i - 1, k - 1] or k < nz and constrained[i - 1, k]
+                enough = geometry.mass_z[i - 1, k] >= (TRUSTED_W if closed else TRUSTED_U)
+                wet = geometry.index_w[i - 1, k] >= 0 and enough
                 known_w[i - 1, k] = 1 if k == 0 or (wet and not film) else 0
 
 

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .cell_transport import TRUSTED, transport_cells
+from .cell_transport import TRUSTED
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
@@ -45,10 +45,10 @@ class FrictionHysteresis(NamedTuple):
 
 
 def hysteresis_law(case):
-    """`FrictionHysteresis` of a case; None where the effect is off."""
+    """`FrictionHysteresis` of a case; delta_mu = 0 where the effect is off."""
     effect = case.effects.friction_hysteresis
     if effect is None:
-        return None
+        return FrictionHysteresis(0.0, 1.0, 1.0)
     return FrictionHysteresis(effect.delta_mu, effect.I_start, effect.strain)
 
 
@@ -93,10 +93,3 @@ def settle(share, e_centre, g_node, pressure_filled, geometry, law, grain_scale,
                 rate = shear_rate_centre(e_centre, g_node, i, k)
                 p = pressure_filled[i, k] / v
                 share[i, k] = settled_after(share[i, k], rate, p, dt, law, grain_scale)
-
-
-def carry_settled(state, aperture, phi_old, dt, dx, dz):
-    """Settled share after the grains have moved for dt, in place; the surface has moved already."""
-    state.settled_share[:] = transport_cells(
-        state.settled_share, state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
-    )

@@ -21,12 +21,13 @@ class Geometry(NamedTuple):
 
     filled (nx, nz); lever_x, lever_z (nx, nz): part of the cell's mass carried by its right / top
     face; mass_x (nx+1, nz), mass_z (nx, nz+1); aperture (nx+1, nz): open part of each x-face
-    (gate); bed_cover (nx,), wall_cover (nz,): wetted part of each cell's stretch of the bed and of
-    the back wall; index_u, index_w: number of the unknown on each face, -1 where there is none;
+    (gate); bed_cover (nx,), wall_cover (nz,), gate_cover (nz,): wetted part of each cell's stretch
+    of the bed, of the back wall and of the closed gate; index_u, index_w: number of the unknown on
+    each face, -1 where there is none; first, last: the columns [first, last) that are solved; all
+    of them, but for the halo of a periodic stretch; reach (nx + 1,): rows of the cells, faces and
+    nodes of column i that can touch grains, so that the loops of the solve need not visit the air;
     packing (nx, nz): local density over density_bulk, 1 in an incompressible mass; face masses
-    carry it; first, last: the columns [first, last) that are solved; all of them, but for the halo of a
-    periodic stretch; reach (nx + 1,): rows of the cells, faces and nodes of column i that can touch
-    grains, so that the loops of the solve need not visit the air.
+    carry it.
     """
 
     filled: np.ndarray
@@ -37,6 +38,7 @@ class Geometry(NamedTuple):
     aperture: np.ndarray
     bed_cover: np.ndarray
     wall_cover: np.ndarray
+    gate_cover: np.ndarray
     index_u: np.ndarray
     index_w: np.ndarray
     reach: np.ndarray
@@ -55,6 +57,7 @@ def allocate_geometry(nx, nz, halo=0):
         np.zeros((nx, nz + 1)),
         np.ones((nx + 1, nz)),
         np.zeros(nx),
+        np.zeros(nz),
         np.zeros(nz),
         np.full((nx + 1, nz), -1, np.int64),
         np.full((nx, nz + 1), -1, np.int64),

@@ -6,8 +6,11 @@ import numpy as np
 
 from ..grid import Grid, gate_column, spacing
 from ..state import State
+from .erodible_bed import join_layer, layer_thickness
+from .level_set import volume
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta
+ON_SURFACE = 1.0e-12  # distance in cells below which a node counts as on the surface
 MARGIN = 8  # empty cells kept between the surface and the end of the grid
 
 
@@ -15,7 +18,7 @@ def initial_grid(case):
     """Grid that holds the column and the first stretch of its run."""
     dx, dz = spacing(case)
     length, height = _extent(case)
-    nz = math.ceil(height / dz) + MARGIN
+    nz = math.ceil((height + layer_thickness(case)) / dz) + MARGIN
     nx = max(gate_column(case), math.ceil(length / dx)) + 2 * MARGIN
     if case.boundary.ends == "periodic":
         return Grid(gate_column(case) + 2 * HALO, nz, dx, dz)
@@ -27,9 +30,11 @@ def initial_grid(case):
 def initial_level_set(case, grid):
     """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the grains.
 
-    The back wall and the bed are no surface: the column continues through them.
+    The back wall and the bed are no surface: the column continues through them. On an erodible
+    layer the column begins at the surface of the layer.
     """
-    x, z = np.meshgrid(grid.x_nodes, grid.z_nodes, indexing="ij")
+    layer = layer_thickness(case)
+    x, z = np.meshgrid(grid.x_nodes, grid.z_nodes - layer, indexing="ij")
     geometry = case.geometry
     if case.boundary.ends == "periodic":
         return z - geometry.height_0
@@ -44,7 +49,19 @@ def initial_level_set(case, grid):
     else:
         above = z - geometry.height_0
     corner = np.hypot(np.maximum(beyond, 0.0), np.maximum(above, 0.0))
-    return np.where((beyond > 0.0) & (above > 0.0), corner, np.maximum(beyond, above))
+    column = np.where((beyond > 0.0) & (above > 0.0), corner, np.maximum(beyond, above))
+    return join_layer(column, above, beyond, z) if layer > 0.0 else column
+
+
+def initial_volume(level_set, grid):
+    """Volume per unit width of the column, m2; a node on the surface counts as wet.
+
+    Else half a cell would be missing where the corner of the column falls on a node: the surface
+    takes it back as soon as it moves, and the correction of the volume would take it away again.
+    """
+    touch = ON_SURFACE * min(grid.dx, grid.dz)
+    wetted = np.where(np.abs(level_set) < touch, -touch, level_set)
+    return volume(wetted, np.ones((grid.nx, grid.nz))) * grid.dx * grid.dz
 
 
 def initial_state(case, grid):

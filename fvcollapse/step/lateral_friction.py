@@ -5,6 +5,11 @@ implicit solve as a diagonal coefficient (2 mu_w / w) [p]+ / sqrt(|u|^2 + slip_m
 every nonlinear sweep; the pressure is the exact volume integral of the cells, handed to the faces
 by the lever rule.
 
+The walls may bear K_w p instead of p (sigma_yy = K_w p), and their friction may weaken with the
+depth y below the surface, mu_w (r + (1 - r) exp(-y/l)): grains that creep far below the surface
+rotate and fluctuate, and rub less than sliding ones (Richard et al. 2008, Phys. Rev. Lett. 101,
+248002; Artoni & Richard 2015, Phys. Rev. Lett. 115, 158001).
+
 The split form |u| <- max(0, |u| - dt 2 mu_w [p]+ / (rho w)) is exact for a frozen pressure and is
 the reference. It comes before the implicit solve, since after it div u would not vanish, and acts
 on the velocity that gravity and the last pressure alone would give: on u* itself it would find
@@ -25,17 +30,39 @@ from numba import njit
 from .geometry import WET
 
 
+def sink_constants(walls, channel_width):
+    """(2 mu_w K_w / w in 1/m, 0 without a sink; ratio of the deep friction; depth of weakening in m)."""
+    if walls is None or walls.closure == "friction_increase":
+        return 0.0, 1.0, 1.0
+    strength = 2.0 * (walls.mu_wall * walls.pressure_ratio) / channel_width
+    if walls.closure == "sink":
+        return strength, 1.0, 1.0
+    return strength, walls.deep_ratio, walls.weakening_depth
+
+
 @njit(cache=True)
-def face_pressures(pressure_x, pressure_z, pressure_filled, geometry):
-    """[p]+ times filled fraction, handed from the cells to their faces by the lever rule; Pa."""
+def weakened(depth, deep_ratio, weakening_depth):
+    """Friction at a depth (m) below the surface over that at the surface; exactly 1 with deep_ratio = 1."""
+    return deep_ratio + (1.0 - deep_ratio) * math.exp(-depth / weakening_depth)
+
+
+@njit(cache=True)
+def face_pressures(
+    pressure_x, pressure_z, pressure_filled, geometry, deep_ratio, weakening_depth, dz
+):
+    """[p]+ times filled fraction, weakened with depth, handed to the faces by the lever rule; Pa."""
     nx = pressure_filled.shape[0]
     pressure_x[:] = 0.0
     pressure_z[:] = 0.0
     for i in range(nx):
+        top = dz * geometry.filled[i].sum() if deep_ratio < 1.0 else 0.0
         for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
             p = pressure_filled[i, k]
             if v > WET and p > 0.0:
+                if deep_ratio < 1.0:
+                    depth = max(top - (k + 0.5 * v) * dz, 0.0)
+                    p *= weakened(depth, deep_ratio, weakening_depth)
                 share = geometry.lever_x[i, k] / v
                 pressure_x[i, k] += (1.0 - share) * p * geometry.aperture[i, k]
                 pressure_x[i + 1, k] += share * p * geometry.aperture[i + 1, k]
@@ -144,7 +171,15 @@ def brake_before_solve(
     free = np.empty_like(u_star), np.empty_like(w_star)
     braked = np.empty_like(u_star), np.empty_like(w_star)
     predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, least_mass, dx, dz)
-    face_pressures(work.pressure_x, work.pressure_z, pressure_filled, geometry)
+    face_pressures(
+        work.pressure_x,
+        work.pressure_z,
+        pressure_filled,
+        geometry,
+        balance.wall_deep_ratio,
+        balance.wall_weakening_depth,
+        dz,
+    )
     apply_split(
         *braked,
         *free,

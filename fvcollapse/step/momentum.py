@@ -215,8 +215,8 @@ def _let_out(gain, arriving, leaving, start, padded, di, end):
 
 
 @njit(cache=True)
-def transport(moved, start, padded, mass, along, across, end, di, dk):
-    """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes).
+def transport(moved, start, padded, mass, along, across, end, di, dk, shape_factor):
+    """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes), for a shape factor of 1.
 
     (di, dk) is the direction of the component, `end` the flux through the far end. A control volume
     from which more flows out than stays keeps the momentum that this overdraws; the momentum is
@@ -243,12 +243,13 @@ def transport(moved, start, padded, mass, along, across, end, di, dk):
         for k in range(start.shape[1]):
             into, out = arriving[i, k], leaving[i, k]
             after = max(mass[i, k] + into - out, max(into, out))
-            moved[i, k] = start[i, k] + (gain[i, k] / after if after > 0.0 else 0.0)
+            gained = gain[i, k] / after if after > 0.0 else 0.0
+            moved[i, k] = start[i, k] + shape_factor * gained
 
 
 @njit(cache=True)
 def advect_momentum(
-    u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, packing, dt, dx, dz
+    u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, packing, dt, dx, dz, shape_factor
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 
@@ -266,6 +267,8 @@ def advect_momentum(
         Level set at the nodes at both ends of the step, m.
     packing : (nx, nz) array
         Local density over density_bulk, at the start of the step; 1 in an incompressible mass.
+    shape_factor : float
+        beta of `transverse_profile`: the advection is beta (u . grad) u; 1 without that effect.
     """
     nx, nz = u.shape[0] - 1, u.shape[1]
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
@@ -282,7 +285,16 @@ def advect_momentum(
         end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx * packing[nx - 1, k]
     second = np.empty_like(u)
     transport(
-        u_star, u, with_ghosts(u, bed_slip, True, False), mass_u, along_u, across_u, end_u, 1, 0
+        u_star,
+        u,
+        with_ghosts(u, bed_slip, True, False),
+        mass_u,
+        along_u,
+        across_u,
+        end_u,
+        1,
+        0,
+        shape_factor,
     )
     transport(
         second,
@@ -294,6 +306,7 @@ def advect_momentum(
         end_u,
         1,
         0,
+        shape_factor,
     )
     u_star[:] = 0.5 * (u_star + second)
     second = np.empty_like(w)
@@ -307,6 +320,7 @@ def advect_momentum(
         across_w[nx],
         0,
         1,
+        shape_factor,
     )
     transport(
         second,
@@ -318,5 +332,6 @@ def advect_momentum(
         across_w[nx],
         0,
         1,
+        shape_factor,
     )
     w_star[:] = 0.5 * (w_star + second)

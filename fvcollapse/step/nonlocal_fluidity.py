@@ -40,8 +40,14 @@ PRESSURE_MIN = 1.0  # Pa, a tenth of a layer of grains; below it mu_loc is that 
 
 def nonlocal_length(case):
     """A d, m; 0 where the effect is off."""
-    effect = case.effects.nonlocal_fluidity
-    return 0.0 if effect is None else effect.amplitude * case.rheology.grain_diameter
+    effect = getattr(case.effects, "nonlocal")  # a word of Python, hence no attribute in its syntax
+    return 0.0 if effect is None else effect.A * case.rheology.grain_diameter
+
+
+def start_fluidity(state, case):
+    """Give the state the fluidity, 0 at rest, unless it has it or the effect is off."""
+    if getattr(case.effects, "nonlocal") is not None and state.fluidity is None:
+        state.fluidity = np.zeros(state.pressure_filled.shape)
 
 
 @njit(cache=True)
@@ -151,10 +157,13 @@ def _spread(g, solution, index, geometry):
 
 
 @njit(cache=True)
-def cooperate(friction, e_centre, g_node, pressure_filled, geometry, material, length, dx, dz):
-    """Change the extra friction (nx, nz) of every wet cell, in place, from the local to the nonlocal law."""
+def cooperate(friction, g, e_centre, g_node, pressure_filled, geometry, material, length, dx, dz):
+    """Change the extra friction (nx, nz) of every wet cell, in place, from the local to the nonlocal law.
+
+    The fluidity goes to `g` (nx, nz), 1/s.
+    """
     nx, nz = friction.shape
-    rates, mu, g = np.zeros((nx, nz)), np.ones((nx, nz)), np.empty((nx, nz))
+    rates, mu = np.zeros((nx, nz)), np.ones((nx, nz))
     for i in range(nx):
         for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
@@ -164,7 +173,7 @@ def cooperate(friction, e_centre, g_node, pressure_filled, geometry, material, l
             p = max(pressure_filled[i, k] / v, PRESSURE_MIN)
             grains = with_extra_friction(material, friction[i, k])
             rates[i, k] = math.sqrt(rate**2 + material.shear_rate_min**2)
-            mu[i, k] = effective_viscosity(rate, p, grains) * rates[i, k] / p
+            mu[i, k] = effective_viscosity(rate, p, grains) * rates[i, k] / p  # eta becomes p/g
     fluidity(g, rates, mu, geometry, length, dx, dz)
     for i in range(nx):
         for k in range(geometry.reach[i]):

@@ -125,6 +125,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
     poisson = factorised(div @ div.multiply(1.0 / inertia).T)
     band, rhs = allocate_band(ends), np.empty(n)
     pressure[geometry.filled <= WET] = 0.0
+    work.constrained[:] = geometry.filled > WET
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         coefficients(
@@ -136,7 +137,6 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
             geometry,
             with_shear_rate_min(material, rate),
             balance,
-            1.0,
             dx,
             dz,
         )

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
-from .dilatancy import dilate
 from .geometry import WET
+from .grain_response import allocate_response, prepare_response, respond
 from .ill_posedness import is_ill_posed
 from .rheology import effective_viscosity, inertial_number, with_extra_friction
 from .strain import shear_rate_centre, strain_rates
@@ -62,7 +62,7 @@ def fill_quantities(
                     ill_posed[i, k] = is_ill_posed(exponent, slope)
 
 
-def cell_quantities(state, geometry, material, dilatancy, dx, dz):
+def cell_quantities(state, geometry, material, response, dx, dz):
     """Fields at the cell centres, zero outside the grains.
 
     Parameters
@@ -70,7 +70,7 @@ def cell_quantities(state, geometry, material, dilatancy, dx, dz):
     state : State
     geometry : Geometry
     material : Material
-    dilatancy : Dilatancy
+    response : Response
     dx, dz : float
         m.
 
@@ -86,23 +86,23 @@ def cell_quantities(state, geometry, material, dilatancy, dx, dz):
     pressure, shear_rate, viscosity, inertial = (np.zeros(shape) for _ in range(4))
     ill_posed = np.zeros(shape, np.bool_)
     extra_friction = np.zeros(shape)
-    if dilatancy.factor > 0.0:
-        dilate(
-            np.zeros(shape),
-            np.zeros(shape),
-            extra_friction,
-            np.zeros(shape),
-            state.solid_fraction,
+    if response.active:
+        work = allocate_response(*shape)
+        prepare_response(work, state, response)
+        respond(
+            work,
             e_centre,
             g_node,
             state.pressure_filled,
             geometry,
             material,
-            dilatancy,
+            response,
             1.0,
             state.dt or 1.0,  # at rest nothing dilates
-            1.0,
+            dx,
+            dz,
         )
+        extra_friction = work.extra_friction
     fill_quantities(
         pressure,
         shear_rate,

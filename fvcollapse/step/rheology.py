@@ -35,10 +35,7 @@ ETA_FLOOR = (
 
 
 class Material(NamedTuple):
-    """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number.
-
-    `extra_friction` is what an effect adds to the friction coefficient at one place; 0 without it.
-    """
+    """Constants of the law, SI; `grain_scale` is k = d sqrt(rho_grain) of the inertial number."""
 
     law: int
     mu_1: float
@@ -52,7 +49,6 @@ class Material(NamedTuple):
     A_minus: float
     alpha: float
     mu_infinity: float
-    extra_friction: float
 
 
 def material(case):
@@ -71,7 +67,8 @@ def material(case):
     walls = case.effects.lateral_friction
     extra = 0.0
     if walls is not None and walls.closure == "friction_increase":
-        extra = walls.mu_wall * walls.flowing_thickness / case.geometry.channel_width
+        wall = walls.mu_wall * walls.pressure_ratio
+        extra = wall * walls.flowing_thickness / case.geometry.channel_width
     mu_1, mu_2 = rheology.mu_1 + extra, rheology.mu_2 + extra
     law = LAWS[rheology.law]
     I_1 = A_minus = 0.0
@@ -92,7 +89,6 @@ def material(case):
         A_minus,
         rheology.alpha_regularised,
         rheology.mu_infinity,
-        0.0,
     )
 
 
@@ -112,17 +108,16 @@ def with_shear_rate_min(material, shear_rate_min):
         material.A_minus,
         material.alpha,
         material.mu_infinity,
-        material.extra_friction,
     )
 
 
 @njit(cache=True)
 def with_extra_friction(material, extra_friction):
-    """The same material with another addition to its friction coefficient."""
+    """The same mu_I or drucker_prager material with `extra_friction` added to its friction coefficient."""
     return Material(
         material.law,
-        material.mu_1,
-        material.mu_2,
+        material.mu_1 + extra_friction,
+        material.mu_2 + extra_friction,
         material.I_0,
         material.viscosity,
         material.cohesion,
@@ -132,7 +127,6 @@ def with_extra_friction(material, extra_friction):
         material.A_minus,
         material.alpha,
         material.mu_infinity,
-        extra_friction,
     )
 
 
@@ -204,7 +198,6 @@ def effective_viscosity(shear_rate, pressure, material):
             else 0.0
         )
         eta = (mu * p + material.cohesion) * plastic
-    eta += material.extra_friction * p * plastic
     return max(eta, ETA_FLOOR)
 
 

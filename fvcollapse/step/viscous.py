@@ -9,25 +9,15 @@ Everything is per unit volume: Pa/m per m/s.
 from numba import njit
 
 from .geometry import WET
-from .rheology import effective_viscosity, with_extra_friction
+from .rheology import effective_viscosity
 from .strain import node_is_interior, shear_rate_centre, shear_rate_node
 
 
 @njit(cache=True)
 def viscosity_weights(
-    weight_centre,
-    weight_node,
-    e_centre,
-    g_node,
-    pressure_filled,
-    extra_friction,
-    geometry,
-    material,
+    weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
-    """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
-
-    `extra_friction` (nx, nz) is added to the friction coefficient; at nodes the mean of the cells.
-    """
+    """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s."""
     nx = weight_centre.shape[0]
     filled = geometry.filled
     weight_centre[:] = 0.0
@@ -37,9 +27,8 @@ def viscosity_weights(
             v = filled[i, k]
             if v > WET:
                 rate = shear_rate_centre(e_centre, g_node, i, k)
-                grains = with_extra_friction(material, extra_friction[i, k])
                 weight_centre[i, k] = v * effective_viscosity(
-                    rate, pressure_filled[i, k] / v, grains
+                    rate, pressure_filled[i, k] / v, material
                 )
     for i in range(1, nx):
         for k in range(1, geometry.reach[i]):
@@ -54,14 +43,7 @@ def viscosity_weights(
                     + pressure_filled[i, k]
                 )
                 rate = shear_rate_node(e_centre, g_node, i, k)
-                extra = 0.25 * (
-                    filled[i - 1, k - 1] * extra_friction[i - 1, k - 1]
-                    + filled[i, k - 1] * extra_friction[i, k - 1]
-                    + filled[i - 1, k] * extra_friction[i - 1, k]
-                    + filled[i, k] * extra_friction[i, k]
-                )
-                grains = with_extra_friction(material, extra / v)
-                weight_node[i, k] = v * effective_viscosity(rate, p / v, grains)
+                weight_node[i, k] = v * effective_viscosity(rate, p / v, material)
 
 
 @njit(cache=True)
@@ -115,14 +97,14 @@ def add_viscous(band, weight_centre, weight_node, geometry, dx, dz):
 
 @njit(cache=True)
 def add_incompressibility(band, penalty, constrained, geometry, dx, dz):
-    """Add penalty * div^T div of the constrained cells (augmented Lagrangian); `penalty` (nx, nz), Pa s."""
+    """Add penalty * div^T div of the constrained cells (augmented Lagrangian)."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             if constrained[i, k]:
                 add_rank_one(
                     band,
-                    penalty[i, k],
+                    penalty,
                     iu[i, k],
                     -aperture[i, k] / dx,
                     iu[i + 1, k],

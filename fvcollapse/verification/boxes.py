@@ -63,7 +63,7 @@ class Box(Simulation):
     pressure : callable
         (x, z) -> p at the start, Pa. Its mean stays, since the box is closed.
     force : callable, optional
-        (x, z) -> (f_x, f_z), acceleration beside gravity, m/s2.
+        (x, z, time) -> (f_x, f_z), acceleration beside gravity at the end of a step, m/s2.
     no_slip : bool
         Right wall and lid hold the fluid; else it slips. Bed and back wall follow the case.
     bed_speed : float
@@ -84,9 +84,7 @@ class Box(Simulation):
         self.x_u, self.z_u = points(h, nx + 1, nz, 0.0, 0.5)
         self.x_w, self.z_w = points(h, nx, nz + 1, 0.5, 0.0)
         self.x_p, self.z_p = points(h, nx, nz, 0.5, 0.5)
-        self.force_u = self.force_w = 0.0
-        if force is not None:
-            self.force_u, self.force_w = force(self.x_u, self.z_u)[0], force(self.x_w, self.z_w)[1]
+        self.force = force
         self.surface = surface
         state = State(
             self._level_set(h, nx, nz),
@@ -110,8 +108,8 @@ class Box(Simulation):
     def _make_room(self):
         """Walls all around: the grid stays."""
 
-    def _move_surface(self, dt, phi_old):
-        return super()._move_surface(dt, phi_old) if self.surface is None else 0.0
+    def _move_surface(self, dt):
+        return super()._move_surface(dt) if self.surface is None else 0.0
 
     def _place(self, time, closed=False):
         super()._place(time, closed)
@@ -129,8 +127,10 @@ class Box(Simulation):
         self.ends = number_unknowns(inside, open_end=False)
 
     def _solve(self, u_star, w_star, impulse, balance):
-        u_star += balance.dt * self.force_u
-        w_star += balance.dt * self.force_w
+        if self.force is not None:
+            end = self.state.time + balance.dt
+            u_star += balance.dt * self.force(self.x_u, self.z_u, end)[0]
+            w_star += balance.dt * self.force(self.x_w, self.z_w, end)[1]
         self._add_walls(u_star, w_star, balance.dt)
         return super()._solve(u_star, w_star, impulse, balance)
 

@@ -6,6 +6,7 @@ step may be set at will.
 """
 
 import math
+from contextvars import ContextVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from fvcollapse.step.initial import HALO, initial_grid, initial_state
 from fvcollapse.verification.exact import pressure_hydrostatic
 
 COLUMNS = 1
+INTERRUPTED = ContextVar("interrupted", default=lambda: False)  # whether Ctrl-C waits to be heeded
 TIGHT = {"numerics.tolerance": 1e-8, "numerics.max_sweeps": 300}
 
 
@@ -99,15 +101,25 @@ def layer(case, velocity, dt, depth=None, slip=0.0):
     return UniformFlow(case, state, dt)
 
 
+def heed_interrupt():
+    """Raise KeyboardInterrupt if one waits; within a compiled kernel it would crash the process."""
+    if INTERRUPTED.get()():
+        raise KeyboardInterrupt
+
+
 def run_until(flow, time):
     """Advance to `time` (s)."""
     while flow.state.time < time - 1e-12:
         flow.advance(time)
+        heed_interrupt()
     return flow
 
 
 def run_until_steady(flow, change=1e-6, steps=60):
-    """Advance until a step changes the velocity by less than `change` of the largest velocity.
+    """Advance until a step whose sweeps have settled changes the velocity by less than `change` of the largest.
+
+    Near a static-flowing interface the sweeps of a long step often end at their cap, with a small
+    change from step to step, far from the solution: such a step does not count as steady.
 
     Raises
     ------
@@ -116,8 +128,12 @@ def run_until_steady(flow, change=1e-6, steps=60):
     """
     for _ in range(steps):
         before = flow.state.u.copy()
-        flow.advance(1e9)
-        if np.abs(flow.state.u - before).max() <= change * np.abs(before).max():
+        record = flow.advance(1e9)
+        heed_interrupt()
+        if (
+            not record.capped
+            and np.abs(flow.state.u - before).max() <= change * np.abs(before).max()
+        ):
             return flow
     raise NumericalError(f"no steady flow after {steps} steps", time=flow.state.time)
 
@@ -152,6 +168,7 @@ def transport(surface, velocity, duration, cells, courant=0.5):
     for step in range(count):
         u, w = velocity(x, z, (step + 0.5) * dt)
         level_set.advect(phi, u + 0.0 * x, w + 0.0 * x, dt, h, h)
+        heed_interrupt()
         travel += np.hypot(u, w).max() * dt / h
         since += 1
         if level_set.needs_restoring(travel, since):

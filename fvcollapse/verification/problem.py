@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.errors import NumericalError
+from fvcollapse.verification.terms import Term
 
 ORDER_MARGIN = 0.2
 
@@ -20,13 +21,13 @@ ORDER_MARGIN = 0.2
 class Problem(NamedTuple):
     """A flow with a known solution.
 
-    `errors` takes the number of cells per depth (or per side) and returns the relative errors, a
-    1-D array; `tolerance` is that of the largest error on the finest grid, and `source` says where
-    it comes from if there is no order of convergence to expect.
+    `term` is what it proves. `errors` takes the number of cells per depth (or per side) and returns
+    the relative errors, a 1-D array; `tolerance` is that of the largest error on the finest grid,
+    and `source` says where it comes from if there is no order of convergence to expect.
     """
 
     name: str
-    proves: str
+    term: Term
     errors: Callable
     grids: tuple
     expected_order: float | None

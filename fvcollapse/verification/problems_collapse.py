@@ -7,7 +7,7 @@ import numpy as np
 from fvcollapse.case import GRAVITY, Case
 from fvcollapse.observables import front_position, thickness
 from fvcollapse.simulation import Simulation
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import run_until
 from fvcollapse.verification.problem import Problem
 
@@ -99,7 +99,7 @@ def dam_break_errors(slope):
 PROBLEMS = (
     Problem(
         "viscous_slump",
-        "a whole collapse, against Huppert's asymptote",
+        terms.COLLAPSE,
         slump_errors,
         (8, 12, 16, 24),
         None,
@@ -108,7 +108,7 @@ PROBLEMS = (
     ),
     Problem(
         "dam_break",
-        "a whole collapse without friction, against Ritter",
+        terms.COLLAPSE,
         dam_break_errors(0.0),
         (6, 8, 12, 24),
         None,
@@ -117,7 +117,7 @@ PROBLEMS = (
     ),
     Problem(
         "dam_break_slope",
-        "the same on a slope of 20 degrees",
+        terms.COLLAPSE,
         dam_break_errors(20.0),
         (6, 8, 12, 24),
         None,

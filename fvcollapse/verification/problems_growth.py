@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from fvcollapse.step.initial import HALO
-from fvcollapse.verification import exact
+from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import layer, layer_case, run_until
 from fvcollapse.verification.problem import Problem
 
@@ -93,7 +93,7 @@ def growth_errors(slope_angle_deg):
 PROBLEMS = (
     Problem(
         "growth_ill_posed",
-        "ill-posedness: growth of a disturbance",
+        terms.ILL_POSEDNESS,
         growth_errors(21.2),
         (8, 16, 24),
         2.0,
@@ -101,7 +101,7 @@ PROBLEMS = (
     ),
     Problem(
         "growth_well_posed",
-        "well-posed state: decay of a disturbance",
+        terms.ILL_POSEDNESS,
         growth_errors(23.0),
         (8, 16, 24),
         None,

@@ -1,14 +1,15 @@
 """The free surface: carried by a given velocity, and at rest at an angle to the grid."""
 
 import math
+from functools import cache
 
 import numpy as np
 
 from fvcollapse.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
-from fvcollapse.verification import exact
-from fvcollapse.verification.flows import surface_errors, transport
+from fvcollapse.verification import exact, terms
+from fvcollapse.verification.flows import run_until, surface_errors, transport
 from fvcollapse.verification.problem import Problem
 
 # -- at rest, surface at an angle to the grid --------------------------------------------------
@@ -24,9 +25,7 @@ def tilted_box_errors(cells):
             "gate.speed": 0.0,
         }
     )
-    simulation = Simulation(case)
-    while simulation.state.time < 0.02:
-        simulation.advance(0.02)
+    simulation = run_until(Simulation(case), 0.02)
     pressure, expected = bed_pressures(simulation)
     return np.append(pressure / expected - 1.0, simulation.max_speed())
 
@@ -57,16 +56,29 @@ def bed_pressures(simulation):
 # -- surfaces ----------------------------------------------------------------------------------
 
 
-def surface_problem(surface, velocity, duration, expected=None):
-    """Area error and symmetric difference once the surface is back (or at `expected`)."""
+def surface_problems(name, surface, velocity, duration, grids, expected=None, **judged):
+    """Two problems: symmetric difference and area error once the surface is back (or at `expected`).
 
-    def errors(cells):
+    `judged` holds for each, `difference` and `area`: expected order, tolerance and its source.
+    """
+
+    @cache
+    def both(cells):
         phi = transport(surface, velocity, duration, cells)
         nodes = np.arange(cells + 1) / cells
         x, z = np.meshgrid(nodes, nodes, indexing="ij")
-        return np.array(surface_errors(phi, (expected or surface)(x, z)))
+        return surface_errors(phi, (expected or surface)(x, z))
 
-    return errors
+    def area(cells):
+        return both(cells)[0]
+
+    def difference(cells):
+        return both(cells)[1]
+
+    return (
+        Problem(name, terms.SURFACE, difference, grids, *judged["difference"]),
+        Problem(f"{name}_area", terms.SURFACE, area, grids, *judged["area"]),
+    )
 
 
 def disc_at(x_centre, z_centre):
@@ -79,49 +91,53 @@ def uniform(x, z, time):
     return 0.4 + 0.0 * x, 0.3 + 0.0 * x
 
 
+CORNERS, FILAMENTS = "corners of the slot are rounded", "filaments thinner than a cell are lost"
 UPPER_DISC = disc_at(0.5, 0.75)
 PROBLEMS = (
     Problem(
         "tilted_box",
-        "pressure, cut cells",
+        terms.CUT_CELLS,
         tilted_box_errors,
         (10, 16, 24),
         None,
         1e-6,
         "round-off",
     ),
-    Problem(
+    *surface_problems(
         "disc",
-        "level set",
-        surface_problem(disc_at(0.3, 0.3), uniform, 1.0, disc_at(0.7, 0.6)),
+        disc_at(0.3, 0.3),
+        uniform,
+        1.0,
         (32, 64, 128),
-        1.8,
-        1e-3,
+        expected=disc_at(0.7, 0.6),
+        difference=(1.8, 1e-3),
+        area=(1.8, 1e-3),
     ),
-    Problem(
+    *surface_problems(
         "zalesak",
-        "level set",
-        surface_problem(exact.slotted_disc, exact.rotation, 1.0),
+        exact.slotted_disc,
+        exact.rotation,
+        1.0,
         (50, 100, 200),
-        None,
-        0.05,
-        "corners of the slot are rounded",
+        difference=(None, 0.05, CORNERS),
+        area=(None, 0.05, CORNERS),
     ),
-    Problem(
+    *surface_problems(
         "vortex_2s",
-        "level set",
-        surface_problem(UPPER_DISC, exact.single_vortex(2.0), 2.0),
+        UPPER_DISC,
+        exact.single_vortex(2.0),
+        2.0,
         (32, 64, 128),
-        1.8,
-        1e-2,
+        difference=(1.8, 1e-2),
+        area=(1.8, 1e-2),
     ),
-    Problem(
+    *surface_problems(
         "vortex_8s",
-        "level set",
-        surface_problem(UPPER_DISC, exact.single_vortex(8.0), 8.0),
+        UPPER_DISC,
+        exact.single_vortex(8.0),
+        8.0,
         (64, 128, 192),
-        None,
-        0.2,
-        "filaments thinner than a cell are lost",
+        difference=(None, 0.2, FILAMENTS),
+        area=(None, 0.2, FILAMENTS),
     ),
 )

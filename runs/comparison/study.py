@@ -9,7 +9,6 @@ curves of the figures, and prints the differences in units of the uncertainty of
 """
 
 import argparse
-import csv
 import json
 import math
 import time
@@ -17,6 +16,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
+from tables import read, write
 
 HERE = Path(__file__).parent
 GRAVITY = 9.81
@@ -217,22 +217,6 @@ def run_part(part, workers):
             write(HERE / f"{part}_profiles.csv", header, profiles)
             hidden = ("settings", "x_99_curve")
             print({key: value for key, value in row.items() if key not in hidden}, flush=True)
-
-
-def read(path):
-    """Rows of a table as dictionaries; none if it is missing."""
-    if not path.exists():
-        return []
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-def write(path, header, rows):
-    """Write a table."""
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
 
 
 if __name__ == "__main__":

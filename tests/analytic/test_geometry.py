@@ -98,3 +98,10 @@ def test_surface_between_grid_lines(height):
     simulation = box(geometry__height_0=height, geometry__slope_angle_deg=0.0)
     pressure, expected = bed_pressures(simulation)
     assert pressure == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.014, 0.01, 0.007, 0.005, 0.004])
+def test_a_column_whose_corner_falls_on_a_node_is_whole(size):
+    """h0 = 0.14 m and l0 = 0.20 m are multiples of these: no half cell is missing at the corner."""
+    state = Simulation(Case().replace(**{"grid.cell_size": size})).state
+    assert state.volume_0 == pytest.approx(0.14 * 0.20, rel=1e-7)

@@ -138,7 +138,7 @@ def uniform_flow(direction, nx=8, nz=6):
     u = np.full((nx + 1, nz), SPEED * math.cos(direction))
     w = np.full((nx, nz + 1), SPEED * math.sin(direction))
     p_x, p_z = np.empty_like(u), np.empty_like(w)
-    face_pressures(p_x, p_z, np.full((nx, nz), 1000.0), geometry)
+    face_pressures(p_x, p_z, np.full((nx, nz), 1000.0), geometry, 1.0, 1.0, 1.0)
     return geometry, u, w, p_x, p_z
 
 

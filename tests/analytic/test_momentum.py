@@ -18,9 +18,8 @@ def advected(u, w, phi_old, phi_new, dt):
     h = 1.0 / w.shape[0]
     u_star, w_star = np.empty_like(u), np.empty_like(w)
     slip, aperture = np.zeros(u.shape[0]), np.ones_like(u)
-    advect_momentum(
-        u_star, w_star, u, w, slip, aperture, phi_old, phi_new, np.ones((len(w), len(w))), dt, h, h
-    )
+    packing = np.ones((len(w), len(w)))
+    advect_momentum(u_star, w_star, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0)
     return u_star, w_star
 
 

@@ -14,18 +14,20 @@ from fvcollapse import open_result, output, refinement_report
 from fvcollapse.__main__ import main
 from fvcollapse.case import Case
 from fvcollapse.convergence import convergence
-from fvcollapse.drawing import new_figure
+from fvcollapse.drawing import new_figure, png
 from fvcollapse.errors import NumericalError
-from fvcollapse.refinement import UNITS, member_case, run_members
+from fvcollapse.members import run_members
+from fvcollapse.refinement import UNITS, member_case
 
-DRAW = refinement_report.draw
+DRAW = refinement_report.draw_png
 SIZES = ["0.01", "0.02", "0.014"]
 
 
 @pytest.fixture
 def case_file(monkeypatch, tmp_path):
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
-    monkeypatch.setattr(refinement_report, "draw", lambda *_: new_figure(0.5, 0.5))  # takes seconds
+    blank = png(new_figure(0.5, 0.5))
+    monkeypatch.setattr(refinement_report, "draw_png", lambda *_: blank)  # takes seconds
     path = tmp_path / "short.toml"
     path.write_text("time.end = 0.03\n[effects.lateral_friction]\n")
     return path
@@ -56,18 +58,31 @@ def test_study_of_the_cell_size(case_file, capsys):
     assert runout["value"] == [result.runout_10mm[-1] for result in results]
     # 14 columns of 14 mm are 196 mm, the gate stands at 200 mm
     assert runout["refinement_size"] == pytest.approx([0.02, math.sqrt(0.2 / 14 * 0.014), 0.01])
-    expected = convergence(runout["refinement_size"], runout["value"])._asdict()
+    expected = convergence(runout["refinement_size"], runout["value"], 1.0)._asdict()
     assert {name: runout[name] for name in expected} == expected
-    assert found["profile_l1"]["value"][-1] == 0.0
-    assert found["profile_l1"]["value"][0] > 0.0
+    assert runout["least_squares"] is None  # of three values
+    coarse, medium, none = found["profile_l1"]["value"]
+    assert none is None  # there is no finer one
+    assert min(coarse, medium) > 0.0
+    assert found["profile_l1"]["relative_error"] == medium
+    assert 0.0 <= found["profile_l1"]["oscillating"] <= 1.0
     assert found["arrest_time"]["value"] == [None] * 3
-    assert found["arrest_time"]["behaviour"] == "undetermined"
+    assert found["arrest_time"]["behaviour"] == "missing"
+    assert "Oscillatory: " in table
 
 
-def test_table_of_all_triplets_and_figure(case_file, monkeypatch):
-    monkeypatch.setattr(refinement_report, "draw", DRAW)
+def test_a_fresh_study_says_nothing_of_checkpoints(case_file, capsys):
+    assert converge(case_file, "--cell-size", *SIZES) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_table_of_all_triplets_and_figure(case_file, monkeypatch, capsys):
+    monkeypatch.setattr(refinement_report, "draw_png", DRAW)
     assert converge(case_file, "--cell-size", *SIZES, "0.03") == 0
+    assert "all values, least squares" in capsys.readouterr().out
     out = case_file.parent / "out"
+    fitted = records(case_file)["x_99"]["least_squares"]
+    assert fitted["uncertainty"] > 0.0
     with (out / "converge.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["observable"] for row in rows] == [name for name in UNITS for _ in range(2)]

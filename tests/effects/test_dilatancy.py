@@ -19,14 +19,14 @@ from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
-K, NU_MAX, SLOPE = 4.0, 0.60, 0.15
-LAW = Dilatancy(factor=K, fraction_max=NU_MAX, slope=SLOPE, fraction_bulk=0.62)
+K, NU_C, SLOPE = 4.0, 0.60, 0.15
+LAW = Dilatancy(factor=K, fraction_critical=NU_C, slope=SLOPE, fraction_bulk=0.62)
 GRAIN_SCALE = 0.035
 COARSE = {"grid.cell_size": 0.02, "effects.lateral_friction": {}}
 
 
 def start(**effect):
-    return Simulation(Case().replace(**COARSE, **{"effects.dilatancy": effect}))
+    return Simulation(Case().replace(**COARSE, **{"effects.dilatancy": {"dilatancy_factor": K} | effect}))
 
 
 def advance_to(simulation, time):
@@ -91,7 +91,7 @@ def relaxed(nu_0, nu_eq, strain):
 @pytest.mark.parametrize("nu_0", [0.52, 0.64])
 def test_nu_relaxes_in_strain_exactly_for_any_time_step(steps, nu_0):
     rate, pressure, strain = 20.0, 500.0, 0.7
-    nu_eq = NU_MAX - SLOPE * rate * GRAIN_SCALE / math.sqrt(pressure)
+    nu_eq = NU_C - SLOPE * rate * GRAIN_SCALE / math.sqrt(pressure)
     nu, dt = nu_0, strain / rate / steps
     for _ in range(steps):
         nu *= 1.0 - dt * expansion(rate, pressure, nu, dt, LAW, GRAIN_SCALE)
@@ -102,13 +102,13 @@ def test_equilibrium_is_reached_and_not_passed_in_one_long_step():
     dt = 10.0
     s = expansion(100.0, 500.0, 0.64, dt, LAW, GRAIN_SCALE)
     assert 0.64 * (1.0 - s * dt) == pytest.approx(
-        NU_MAX - SLOPE * 100.0 * GRAIN_SCALE / math.sqrt(500.0), rel=1e-12
+        NU_C - SLOPE * 100.0 * GRAIN_SCALE / math.sqrt(500.0), rel=1e-12
     )
 
 
 def test_without_pressure_nu_falls_to_its_value_at_inertial_number_one():
     s = expansion(5.0, 0.0, 0.6, 1e3, LAW, GRAIN_SCALE)
-    assert 0.6 * (1.0 - 1e3 * s) == pytest.approx(NU_MAX - SLOPE)
+    assert 0.6 * (1.0 - 1e3 * s) == pytest.approx(NU_C - SLOPE)
     assert expansion(0.0, 0.0, 0.6, 1e-3, LAW, GRAIN_SCALE) == 0.0
 
 
@@ -159,7 +159,7 @@ def sheared_layer(dt, initial, **effect):
         rheology__mu_1=0.38,
         rheology__mu_2=0.64,
         boundary__mu_bed=math.inf,
-        effects__dilatancy=effect,
+        effects__dilatancy={"dilatancy_factor": K} | effect,
         numerics__tolerance=1e-7,
         numerics__max_sweeps=100,
     )
@@ -180,7 +180,7 @@ def at_solid_fraction(case, nu, depth):
 
 def test_a_layer_relaxes_in_its_own_strain():
     """nu_eq independent of I: each part of the layer follows the solution in strain, here the lowest cell."""
-    flow = sheared_layer(1e-3, None, solid_fraction_max=0.58, solid_fraction_slope=0.0)
+    flow = sheared_layer(1e-3, None, solid_fraction_critical=0.58, solid_fraction_slope=0.0)
     strain = 0.0
     for _ in range(30):
         flow.advance(1.0)
@@ -194,7 +194,7 @@ def test_bagnold_flow_steadies_at_the_solid_fraction_of_its_inertial_number():
     """From nu = 0.62 to nu_eq(I): the layer swells, then flows as an incompressible one of that density."""
     dense = sheared_layer(5e-3, None)
     inertial = exact.inertial_number_at(exact.slope_ratio(dense.case), dense.case.rheology)
-    nu = NU_MAX - SLOPE * inertial
+    nu = NU_C - SLOPE * inertial
     swollen = at_solid_fraction(dense.case, nu, 0.02 * 0.62 / nu)
     flow = run_until(sheared_layer(5e-3, swollen), 2.0)
     inner = slice(0, 7)  # the uppermost cells hold grains that have hardly been sheared
@@ -236,7 +236,7 @@ def test_from_the_critical_state_the_volume_comes_back():
             **COARSE,
             **{
                 "geometry.slope_angle_deg": 16.0,
-                "effects.dilatancy": {"solid_fraction_0": NU_MAX},
+                "effects.dilatancy": {"dilatancy_factor": K, "solid_fraction_0": NU_C},
             },
         )
     )
@@ -252,7 +252,7 @@ def test_from_the_critical_state_the_volume_comes_back():
 def test_at_rest_nothing_dilates():
     case = Case().replace(
         **COARSE,
-        **{"geometry.slope_angle_deg": 0.0, "gate.speed": 0.0, "effects.dilatancy": {}},
+        **{"geometry.slope_angle_deg": 0.0, "gate.speed": 0.0, "effects.dilatancy": {"dilatancy_factor": K}},
     )
     simulation = advance_to(Simulation(case), 0.1)
     assert simulation.max_speed() < 1e-8
@@ -263,7 +263,7 @@ def test_at_rest_nothing_dilates():
 
 
 def test_resumed_run_is_the_same_to_the_last_bit_and_shows_the_field(tmp_path):
-    case = Case().replace(**COARSE, **{"effects.dilatancy": {}, "time.end": 0.1})
+    case = Case().replace(**COARSE, **{"effects.dilatancy": {"dilatancy_factor": K}, "time.end": 0.1})
     output.run_case(case, tmp_path / "whole", quiet=True)
     half = case.replace(**{"time.end": 0.05})
     output.run_case(half, tmp_path / "parts", quiet=True)

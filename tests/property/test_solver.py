@@ -80,7 +80,9 @@ def test_unit_scaling():
     speed = small.max_speed()
     assert speed > 0.1
     # the floor of the viscosity, 1e-3 Pa s, is the one quantity that does not scale
-    assert np.abs(large.state.u / math.sqrt(SCALE) - small.state.u).max() < 2e-5 * speed
+    grains = small.geometry.mass_x > 0.05  # beyond them the velocity is only continued
+    change = np.abs(large.state.u / math.sqrt(SCALE) - small.state.u)
+    assert change[grains].max() < 5e-6 * speed
     assert np.abs(large.geometry.filled - small.geometry.filled).max() < 1e-6
 
 

@@ -54,7 +54,7 @@ def stop_at(step, error):
     return Stopped
 
 
-@pytest.mark.parametrize("step", [1, 2, 17, 30])
+@pytest.mark.parametrize("step", [1, 17])
 @pytest.mark.parametrize(
     "error", [KeyboardInterrupt(), NumericalError("no pressure", "in the solve", 0.1)]
 )

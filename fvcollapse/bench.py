@@ -1,0 +1,355 @@
+"""What a run costs: fixed cases, each in a process of its own, against the bound set by memory traffic.
+
+The bound of a run: in every nonlinear sweep each unknown and each coefficient of the assembled
+operator is read once and each unknown written once, at the bandwidth of a triad on arrays of the
+same total size (in the cache where those fit). No sweep can be faster; how many sweeps a step takes
+is not in the bound.
+"""
+
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+from tqdm import tqdm
+
+from fvcollapse.case import Case, case_from_text
+from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.files import write_atomic
+from fvcollapse.output import run_case
+from fvcollapse.simulation import Simulation
+from fvcollapse.step import coupled
+from fvcollapse.step.banded import allocate_band, factorise, solve_factorised
+from fvcollapse.sweep import sweep
+from fvcollapse.version import __version__
+
+SLOPES = {22: 2.0, 0: 1.0}  # deg: time simulated, s
+WIDTHS = {"w10cm": 0.10, "winf": float("inf")}
+SIZES = (0.012, 0.006, 0.003)  # m
+FINEST = 0.0015  # m; minutes each, on demand
+TERMS = {
+    "_move_surface": "surface",
+    "_advect_momentum": "momentum advection",
+    "_place": "geometry",
+    "_solve": "implicit solve",
+    "_book_energy": "energy budget",
+    "_continue_velocity": "continuation of the velocity",
+}
+SAMPLES = 5  # instants at which the parts of a sweep are timed
+REPEATS = 5
+
+
+def cases(finest=False):
+    """The cases by name."""
+    return {
+        f"{slope}deg_{width}_{1e3 * size:g}mm": Case().replace(
+            **{
+                "geometry.slope_angle_deg": float(slope),
+                "geometry.channel_width": value,
+                "effects.lateral_friction": {},
+                "grid.cell_size": size,
+                "time.end": end,
+                "time.field_interval": end,
+            }
+        )
+        for slope, end in SLOPES.items()
+        for width, value in WIDTHS.items()
+        for size in (*SIZES, *([FINEST] if finest else []))
+    }
+
+
+# ---------------------------------------------------------------- within the process of one case
+
+
+class TimedSimulation(Simulation):
+    """A simulation that keeps the wall time of its terms and the sizes of its systems."""
+
+    def __init__(self, case, state=None):
+        self.seconds = dict.fromkeys(TERMS, 0.0)
+        super().__init__(case, state)
+        self.seconds = dict.fromkeys(TERMS, 0.0)
+        self.sweeps = self.unknowns = self.cells = self.steps = 0
+        self.began = self.ended = self.probing = 0.0
+        self.sweep_parts = []
+
+    def advance(self, time_limit):
+        """One step, counted."""
+        self.began = self.began or time.perf_counter()
+        record = super().advance(time_limit)
+        cells = np.count_nonzero(self.geometry.filled)
+        self.sweeps += record.sweeps
+        self.unknowns += record.sweeps * (self.ends.size + cells)
+        self.cells += cells
+        self.steps += 1
+        if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
+            start = time.perf_counter()
+            self.sweep_parts.append(time_sweep(self))
+            self.probing += time.perf_counter() - start
+        self.ended = time.perf_counter()
+        return record
+
+
+def _timed(name):
+    def method(self, *arguments, **options):
+        start = time.perf_counter()
+        value = getattr(Simulation, name)(self, *arguments, **options)
+        self.seconds[name] += time.perf_counter() - start
+        return value
+
+    return method
+
+
+for _name in TERMS:
+    setattr(TimedSimulation, _name, _timed(_name))
+
+
+def time_sweep(simulation):
+    """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
+    state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
+    band, rhs = allocate_band(simulation.ends), np.empty(simulation.ends.size)
+    balance, spacing = simulation._balance(state.dt), simulation.spacing
+    fields = state.u, state.w, state.pressure_filled
+
+    def coefficients():
+        coupled.coefficients(
+            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing
+        )
+
+    def assemble():
+        coupled.assemble(
+            band, rhs, work, state.pressure_filled, state.u, state.w, geometry, balance, *spacing
+        )
+
+    parts = {"coefficients": best(coefficients), "assembly": best(assemble)}
+    coefficients_read = np.count_nonzero(band)
+    both = best(lambda: (assemble(), factorise(band, simulation.ends)))
+    parts["factorisation"] = both - parts["assembly"]
+    parts["substitution"] = best(lambda: solve_factorised(rhs, band, simulation.ends))
+    unknowns = rhs.size + np.count_nonzero(geometry.filled)
+    return parts | {"unknowns": unknowns, "coefficients_read": coefficients_read}
+
+
+def best(work, repeats=REPEATS):
+    """Shortest of a few wall times, s."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+@njit(cache=True)
+def triad(a, b, c):
+    """Set a = b + 2 c."""
+    for i in range(a.size):
+        a[i] = b[i] + 2.0 * c[i]
+
+
+def bandwidth(total_bytes):
+    """Bytes per second of a triad whose three arrays have this size together."""
+    a, b, c = np.zeros((3, max(int(total_bytes) // 24, 1)))
+    loops = max(1, int(2e7 // (24 * a.size)))
+
+    def work():
+        for _ in range(loops):
+            triad(a, b, c)
+
+    triad(a, b, c)
+    return loops * 24 * a.size / best(work)
+
+
+def member(case_text):
+    """Run one case as the command line does and return its figures; for a process of its own."""
+    from fvcollapse import output
+
+    case, made = case_from_text(case_text), []
+
+    def simulation(*arguments):
+        made.append(TimedSimulation(*arguments))
+        return made[-1]
+
+    output.Simulation = simulation
+    with tempfile.TemporaryDirectory() as folder:
+        run_case(case, Path(folder) / "run", quiet=True)
+    (timed,) = made
+    return figures(timed)
+
+
+def figures(timed):
+    """The row of one case; the loop begins with the first step and ends with the last."""
+    sizes = {
+        name: np.mean([part[name] for part in timed.sweep_parts])
+        for name in ("unknowns", "coefficients_read")
+    }
+    sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
+    traffic = sweep_bytes * timed.unknowns / sizes["unknowns"]
+    wall = timed.ended - timed.began - timed.probing
+    share = {TERMS[name]: seconds / wall for name, seconds in timed.seconds.items()}
+    share["recording and the rest"] = 1.0 - sum(share.values())
+    return {
+        "cell_size": timed.spacing[1],
+        "wall_s": wall,
+        "steps": timed.steps,
+        "sweeps": timed.sweeps,
+        "active_cells": timed.cells / timed.steps,
+        "us_per_cell_and_step": 1e6 * wall / timed.cells,
+        "share": share,
+        "sweep_s": {name: np.mean([p[name] for p in timed.sweep_parts]) for name in PARTS},
+        "bound_sweep_s": sweep_bytes / bandwidth(sweep_bytes),
+        "bound_s": traffic / bandwidth(sweep_bytes),
+        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+    }
+
+
+PARTS = ("coefficients", "assembly", "factorisation", "substitution")
+
+
+# ---------------------------------------------------------------- from outside
+
+
+def run_member(case, cache=None):
+    """Figures of one case from a new process, with the wall time of that process."""
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    if cache is not None:
+        environment["NUMBA_CACHE_DIR"] = str(cache)
+    code = "import sys, json; from fvcollapse.bench import member; json.dump(member(sys.stdin.read()), sys.stdout)"
+    start = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        input=case.to_toml(),
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    if done.returncode != 0:
+        reason = done.stderr.strip().splitlines()[-1:] or [f"exit status {done.returncode}"]
+        raise NumericalError(f"a case of the benchmark failed: {reason[0]}")
+    return json.loads(done.stdout) | {"command_s": time.perf_counter() - start}
+
+
+def compile_times():
+    """Wall time of a short coarse run that calls every kernel: with nothing compiled, and with all on the disk, s."""
+    case = Case().replace(
+        **{"grid.cell_size": 0.03, "effects.lateral_friction": {}, "time.end": 0.05}
+    )
+    with tempfile.TemporaryDirectory() as cache:
+        cold = run_member(case, cache)["command_s"]
+        warm = min(run_member(case, cache)["command_s"] for _ in range(3))
+    run_member(case)  # the cases that follow find everything compiled
+    return {"cold_s": cold, "warm_s": warm}
+
+
+def sweep_times():
+    """Wall time of a sweep of 8 runs with one and with two processes, s, and their ratio."""
+    case = Case().replace(**{"grid.cell_size": 0.012, "time.end": 2.0, "time.field_interval": 2.0})
+    slopes = {"geometry.slope_angle_deg": [15.0 + number for number in range(8)]}
+    seconds = {}
+    for workers in (1, 2):
+        with tempfile.TemporaryDirectory() as folder:
+            start = time.perf_counter()
+            sweep(case, slopes, Path(folder) / "sweep", workers=workers, quiet=True)
+            seconds[workers] = time.perf_counter() - start
+    return {
+        "one_core_s": seconds[1],
+        "two_cores_s": seconds[2],
+        "ratio": seconds[1] / seconds[2],
+    }
+
+
+def machine():
+    """What the figures were measured on."""
+    model = platform.processor()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        lines = info.read_text().splitlines()
+        model = next((line.split(":")[1].strip() for line in lines if "model name" in line), model)
+    return {
+        "processor": model,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "fvcollapse": __version__,
+    }
+
+
+def run_bench(names=(), path=None, quiet=False):
+    """Measure cases and compilation; rewrite the report at `path` (JSON) after every case.
+
+    Parameters
+    ----------
+    names : list of str
+        Of `cases(finest=True)`; without any, all but the finest grid.
+    path : Path, optional
+    quiet : bool
+        No progress bar.
+
+    Returns
+    -------
+    dict
+        machine, compilation (s), cases and, with all of them, the sweep of 8 runs on two cores.
+
+    Raises
+    ------
+    InputError
+        A name that is none of the cases.
+    """
+    known = cases(finest=True)
+    for name in names:
+        if name not in known:
+            raise InputError("command line", "case", name, "one of " + ", ".join(known))
+    chosen = {name: known[name] for name in names} if names else cases()
+    report = {"machine": machine(), "compilation": compile_times(), "cases": []}
+    for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
+        report["cases"].append({"name": name} | run_member(case))
+        save(report, path)
+    if not names:
+        report["sweep_of_8"] = sweep_times()
+        save(report, path)
+    return report
+
+
+def save(report, path):
+    """Write the report as JSON, if a path is given."""
+    if path is not None:
+        write_atomic(path, json.dumps(report, indent=1).encode() + b"\n")
+
+
+def table(report):
+    """The report as aligned plain text."""
+    names = ("case", "loop s", "command s", "steps", "sweeps", "us/cell/step", "bound s", "MB")
+    rows = [names]
+    for row in report["cases"]:
+        rows.append(
+            (
+                row["name"],
+                f"{row['wall_s']:.2f}",
+                f"{row['command_s']:.2f}",
+                str(row["steps"]),
+                str(row["sweeps"]),
+                f"{row['us_per_cell_and_step']:.2f}",
+                f"{row['bound_s']:.3f}",
+                f"{row['memory_mb']:.0f}",
+            )
+        )
+    widths = [max(len(row[column]) for row in rows) for column in range(len(names))]
+    lines = ["  ".join(f"{word:>{w}}" for word, w in zip(row, widths, strict=True)) for row in rows]
+    compilation = report["compilation"]
+    lines.append(
+        f"\nfirst start {compilation['cold_s']:.1f} s, later {compilation['warm_s']:.2f} s"
+    )
+    if "sweep_of_8" in report:
+        lines.append(
+            f"two cores on a sweep of 8 runs: {report['sweep_of_8']['ratio']:.2f} times one core"
+        )
+    for row in report["cases"]:
+        share = sorted(row["share"].items(), key=lambda item: -item[1])
+        lines.append(f"{row['name']}: " + ", ".join(f"{term} {100 * s:.0f} %" for term, s in share))
+    return "\n".join(lines)

@@ -1,0 +1,51 @@
+"""The runs that make up a study: each in a folder of its own, finished or continued, whoever began it."""
+
+from pathlib import Path
+
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.files import exclusive
+from fvcollapse.output import CHECKPOINT, RESULT, run_case
+from fvcollapse.recorder import SAME_TIME
+from fvcollapse.workers import run_all
+
+LOCK = "lock"
+
+
+def run_member(case, folder, quiet=True):
+    """Run a case into its folder, or continue it; nothing is done if it is finished.
+
+    Another process that works in the folder is waited for.
+
+    Raises
+    ------
+    InputError
+        The folder holds a run of another case, or one to a later end.
+    """
+    folder = Path(folder)
+    with exclusive(folder / LOCK):
+        started = (folder / RESULT).exists() or (folder / CHECKPOINT).exists()
+        result = run_case(case, folder, resume=started, quiet=quiet)
+    if result.case.time.end > case.time.end + SAME_TIME:
+        found = f"{case.time.end:g}"
+        allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"
+        raise InputError(folder / RESULT, "time.end", found, allowed)
+
+
+def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
+    """Run what is not finished of {folder: case}; the first failure ends the study.
+
+    What is finished is kept; a member that was running leaves its checkpoint. The next call
+    continues both.
+    """
+
+    def finished(folder, outcome):
+        if isinstance(outcome, NumericalError):
+            raise NumericalError(f"{folder}: {outcome.what}", outcome.where, outcome.time)
+        if isinstance(outcome, FvcollapseError):
+            raise outcome
+        tell(f"{folder}: done")
+
+    # the finest takes longest: among several it starts first
+    folders = list(cases) if workers == 1 else list(reversed(cases))
+    calls = {folder: (cases[folder], folder, quiet or workers > 1) for folder in folders}
+    run_all(run, calls, finished, workers, quiet=quiet)

@@ -1,0 +1,305 @@
+"""What the paper's section VII says of lateral friction, as measures of the tables."""
+
+import numpy as np
+
+from runs.paper.cases import SLOPES
+from runs.paper.measures import PLATEAU_LEAST
+from runs.paper.verdicts import Clause, claims
+
+SALTATION = 0.02  # m; the paper's uncertainty of a measured front
+LENGTH_0 = 0.20  # m
+CLAIMS, claim = claims()
+
+
+def muI(slope, width):
+    """Name of a mu(I) case."""
+    return f"muI_a{slope}_{width}"
+
+
+def shortening(t, slope, width):
+    """Runout (5 mm) without lateral friction less that with it [m]."""
+    return t.difference(muI(slope, "winf"), muI(slope, width), "runout_5mm_m")
+
+
+def front_at(t, case, time, refinement=1.0):
+    """Front (5 mm) at a time; a front that has stopped stays."""
+    line = t.line(case, "front_m", refinement=refinement)
+    return float(np.interp(time, line.at, line.values))
+
+
+@claim(
+    "3–8, VII",
+    "lateral friction matters for slopes ≥ 16°",
+    "it shortens the runout (5 mm), w = 10 cm, by more than 2 cm",
+)
+def walls_matter(t):
+    clauses = [
+        Clause(f"{a}°", *shortening(t, a, "w10"), "above", SALTATION, "m") for a in (16, 19, 22)
+    ]
+    others = [t.difference(muI(a, "winf"), muI(a, "w10"), "runout_10mm_m") for a in (16, 19, 22)]
+    return clauses, "at 10 mm thickness " + ", ".join(f"{of.value:.3f}" for of in others) + " m"
+
+
+@claim(
+    "abstract", "crucial on slopes from about 10°", "shortens the runout at 10° by more than 2 cm"
+)
+def walls_at_10(t):
+    return [
+        Clause(f"w = {w[1:]} cm", *shortening(t, 10, w), "above", SALTATION, "m")
+        for w in ("w10", "w20")
+    ]
+
+
+@claim("VII", "little effect on the horizontal", "shortens the runout at 0° by less than 2 cm")
+def walls_at_0(t):
+    relative = shortening(t, 0, "w10").value / (t.row(muI(0, "winf"))["runout_5mm_m"] - LENGTH_0)
+    clauses = [
+        Clause(f"w = {w[1:]} cm", *shortening(t, 0, w), "below", SALTATION, "m")
+        for w in ("w10", "w20")
+    ]
+    return clauses, f"w = 10 cm: {100 * relative:.0f} % of the runout from the gate"
+
+
+@claim("VII", "its effect grows with the slope", "each slope is shortened more than the one below")
+def walls_grow(t):
+    def more(width, low, high):
+        def gap(r):
+            rows = {a: (t.row(muI(a, "winf"), r), t.row(muI(a, width), r)) for a in (low, high)}
+            short = {
+                a: free["runout_5mm_m"] - rubbed["runout_5mm_m"]
+                for a, (free, rubbed) in rows.items()
+            }
+            return short[high] - short[low]
+
+        return t.measure(gap)
+
+    steps = list(zip(SLOPES[:-1], SLOPES[1:], strict=True))
+    return [
+        Clause(f"w = {w[1:]} cm, {a}→{b}°", *more(w, a, b), "above", 0.0, "m")
+        for w in ("w10", "w20")
+        for a, b in steps
+    ]
+
+
+@claim("VII.A", "w = 20 cm is affected less than 10 cm", "runout (5 mm) longer, at every slope")
+def wide_less(t):
+    return [
+        Clause(
+            f"{a}°", *t.difference(muI(a, "w20"), muI(a, "w10"), "runout_5mm_m"), "above", 0.0, "m"
+        )
+        for a in SLOPES
+    ]
+
+
+@claim("VII.A", "but clearly at 22°", "w = 20 cm shortens the runout by more than 2 cm")
+def wide_clearly(t):
+    return [Clause("", *shortening(t, 22, "w20"), "above", SALTATION, "m")]
+
+
+@claim(
+    "4e",
+    "without it a large part still flows at 1.76 s, 22°",
+    "more than 10 % of the volume, and more than with it",
+)
+def still_flowing(t):
+    free = t.value(muI(22, "winf"), "flowing_share_1.76")
+    more = t.difference(muI(22, "winf"), muI(22, "w10"), "flowing_share_1.76")
+    return [
+        Clause("share", *free, "above", 0.10),
+        Clause("less that at w = 10 cm", *more, "above", 0.0),
+    ]
+
+
+@claim("4e", "and ends at about 1.6 m", "final runout (5 mm) between 1.5 and 1.7 m")
+def runout_1_6(t):
+    row = t.row(muI(22, "winf"))
+    also = ", ".join(
+        f"{label} {row[name]:.2f}"
+        for label, name in (("10 mm", "runout_10mm_m"), ("1 mm", "runout_1mm_m"), ("x₉₉", "x_99_m"))
+    )
+    value = t.value(muI(22, "winf"), "runout_5mm_m")
+    return [Clause("", *value, "within", (1.5, 1.7), "m")], f"{also} m"
+
+
+@claim(
+    "4e, f",
+    "with it, what still moves adds < 0.5 % of the runout",
+    "the runout (5 mm) grows by less than 0.5 % after 1.76 s (w = 10 cm), 1.8 s (20 cm)",
+)
+def residual_motion(t):
+    def growth(case, time):
+        def percent(r):
+            then = front_at(t, case, time, r)
+            return 100.0 * (t.row(case, r)["runout_5mm_m"] / then - 1.0)
+
+        return t.measure(percent)
+
+    thin = t.line(muI(22, "w10"), "front_1mm_m")
+    then = float(np.interp(1.76, thin.at, thin.values))
+    return [
+        Clause("w = 10 cm", *growth(muI(22, "w10"), 1.76), "below", 0.5, "%"),
+        Clause("20 cm", *growth(muI(22, "w20"), 1.8), "below", 0.5, "%"),
+    ], f"at 1 mm thickness {100 * (thin.values[-1] / then - 1):.1f} % (w = 10 cm)"
+
+
+@claim("3e, f", "at 10° nearly everything is at rest at 1.0 s", "less than 1 % of the volume flows")
+def rest_at_10(t):
+    return [
+        Clause(f"w = {w[1:]} cm", *t.value(muI(10, w), "flowing_share_1"), "below", 0.01)
+        for w in ("w10", "w20")
+    ]
+
+
+@claim("3e, f", "the deposit at 10° lies within 0.7 m", "runout at 1 mm thickness below 0.7 m")
+def deposit_at_10(t):
+    return [
+        Clause(f"w = {w[1:]} cm", *t.value(muI(10, w), "runout_1mm_m"), "below", 0.7, "m")
+        for w in ("w10", "w20")
+    ]
+
+
+def against_none(t, slopes, column, sense, unit=""):
+    """A number with lateral friction less that without, at some slopes and both widths."""
+    return [
+        Clause(
+            f"{a}°, w = {w[1:]} cm",
+            *t.difference(muI(a, w), muI(a, "winf"), column),
+            sense,
+            0.0,
+            unit,
+        )
+        for a in slopes
+        for w in ("w10", "w20")
+    ]
+
+
+@claim(
+    "3, 4",
+    "with it the mass near the back wall is thicker",
+    "largest thickness within 10 cm of it, at 1.76 s, above that without",
+)
+def rear_thicker(t):
+    return against_none(t, (10, 22), "rear_height_m", "above", "m")
+
+
+@claim("VII.A", "and the deposit is steeper", "mean slope of its surface above that without")
+def deposit_steeper(t):
+    return against_none(t, (10, 22), "surface_slope_deg", "above", "°")
+
+
+def interface_clauses(t, quantity, unit, sense):
+    """With less without lateral friction, at 10 and 22 deg, both widths, while it flows."""
+    return [
+        Clause(
+            f"{a}°, {w[1:]} cm, {time:g} s",
+            *t.difference(muI(a, w), muI(a, "winf"), f"interface_{quantity}_{time:g}_{unit}"),
+            sense,
+            0.0,
+            {"deg": "°", "per_m": "1/m"}[unit],
+        )
+        for a, times in ((10, (0.3, 0.48)), (22, (0.3, 0.48, 0.96)))
+        for time in times
+        for w in ("w10", "w20")
+    ]
+
+
+@claim(
+    "3, 4, VII.B",
+    "with it the static–flowing interface is less curved",
+    "curvature of the parabola through its falling part below that without",
+)
+def interface_curvature(t):
+    return interface_clauses(t, "curvature", "per_m", "below")
+
+
+@claim(
+    "3, 4, VII.B",
+    "and steeper to the bed",
+    "its mean angle to the bed above that without",
+)
+def interface_angle(t):
+    return interface_clauses(t, "angle", "deg", "above")
+
+
+@claim(
+    "VII.B", "less of the mass flows", "flowing share of the volume at 0.48 s below that without"
+)
+def flows_less(t):
+    return against_none(t, (10, 16, 22), "flowing_share_0.48", "below")
+
+
+@claim("7, 8", "with it the peak of the front velocity is lower", "peak below that without")
+def peak_lower(t):
+    return against_none(t, (10, 16, 22), "peak_velocity_m_s", "below", "m/s")
+
+
+@claim("7, 8", "all peaks are below 1.6 m/s", "peak of the front velocity below 1.6 m/s")
+def peaks_below(t):
+    return [
+        Clause(f"{a}°, {w[1:]}", *t.value(muI(a, w), "peak_velocity_m_s"), "below", 1.6, "m/s")
+        for a in (10, 16, 22)
+        for w in ("w10", "w20", "winf")
+    ]
+
+
+@claim("5, 6", "velocities are slightly higher at w = 20 cm than 10 cm", "higher peak, all slopes")
+def wide_faster(t):
+    return [
+        Clause(
+            f"{a}°",
+            *t.difference(muI(a, "w20"), muI(a, "w10"), "peak_velocity_m_s"),
+            "above",
+            0.0,
+            "m/s",
+        )
+        for a in (10, 16, 22)
+    ]
+
+
+@claim(
+    "I", "the deceleration lasts longer the larger the slope", "time from peak to stop, w = 10 cm"
+)
+def decelerates_longer(t):
+    def lasting(a, r):
+        row = t.row(muI(a, "w10"), r)
+        return row["stop_time_s"] - row["peak_time_s"]
+
+    return [
+        Clause(
+            f"{a}→{b}°",
+            *t.measure(lambda r, a=a, b=b: lasting(b, r) - lasting(a, r)),
+            "above",
+            0.0,
+            "s",
+        )
+        for a, b in zip(SLOPES[:-1], SLOPES[1:], strict=True)
+    ]
+
+
+@claim(
+    "7, 8",
+    "at 22° η_I gives no slow propagation phase, with or without",
+    f"no plateau of the front velocity as long as {PLATEAU_LEAST} s",
+)
+def no_plateau(t):
+    return [
+        Clause(
+            f"w = {w[1:]}", *t.value(muI(22, w), "plateau_duration_s"), "below", PLATEAU_LEAST, "s"
+        )
+        for w in ("w10", "w20", "winf")
+    ]
+
+
+@claim(
+    "5, 6",
+    "the computed mass loses 2–3 % of its volume",
+    "largest error of the volume at 22° above 2 %",
+)
+def volume_lost(t):
+    rows = {w: t.row(muI(22, w)) for w in ("w10", "w20")}
+    moved = ", ".join(f"{100 * row['volume_correction']:.1f}" for row in rows.values())
+    return [
+        Clause(f"w = {w[1:]} cm", 100.0 * value, 100.0 * error, "above", 2.0, "%")
+        for w in rows
+        for value, error in [t.value(muI(22, w), "volume_error_max")]
+    ], f"corrections sum to {moved} %"

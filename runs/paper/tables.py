@@ -1,0 +1,229 @@
+"""The tables of the study: written by the study, read by the statements and by the figures.
+
+A group has `scalars.csv`, one row per run, and `curves.csv`, one row per curve: equidistant values,
+separated by blanks, along `axis` from `start` by `step`. A front that has stopped is cut there and
+stays where it is. Its velocity is not in the tables: it follows from the front (`Tables.line` of
+`velocity_m_s`).
+"""
+
+import csv
+import math
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.files import write_atomic
+from runs.paper import measures
+
+HERE = Path(__file__).parent
+SCALARS, CURVES = "scalars.csv", "curves.csv"
+RUN = ("case", "refinement", "cell_size_mm")
+HEAD = (*RUN, "quantity", "t_s", "x_m", "axis", "start", "step", "values")
+FINE = 1.5  # refinement that gives the uncertainty of the tables
+VELOCITY = "velocity_m_s"
+SAME_TIME = 0.011  # s; half the interval of the profiles, and a little
+
+
+class MissingRun(LookupError):
+    """A case, or a curve of it, that is not in the tables."""
+
+
+class Measured(NamedTuple):
+    """A value and its grid uncertainty, NaN where no finer grid was run."""
+
+    value: float
+    uncertainty: float = math.nan
+
+
+class Line(NamedTuple):
+    """A curve of the tables: abscissae and values, (n,) each."""
+
+    at: np.ndarray
+    values: np.ndarray
+
+
+# -- writing -------------------------------------------------------------------------------------
+
+
+def write(path, head, rows):
+    """Write a table as a whole, or not at all."""
+    lines = [",".join(head)]
+    lines += [",".join(quoted(row.get(name)) for name in head) for row in rows]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(path, ("\n".join(lines) + "\n").encode())
+
+
+def quoted(value):
+    """One cell: numbers to six digits, nothing for what does not exist."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if isinstance(value, float | np.floating):
+        return f"{value:.6g}"
+    text = str(value)
+    return f'"{text}"' if "," in text else text
+
+
+def curve_row(run, curve):
+    """A `Curve` of `extract` as a row, `run` being its first cells."""
+    return run | {
+        "quantity": curve.quantity,
+        "t_s": curve.t,
+        "x_m": curve.x,
+        "axis": curve.axis,
+        "start": float(curve.start),
+        "step": float(curve.step),
+        "values": " ".join(number(value, curve.digits) for value in curve.values),
+    }
+
+
+def number(value, digits):
+    """A value with `digits` decimals (negative: that many significant ones), short; "-" for NaN."""
+    if math.isnan(value):
+        return "-"
+    if digits < 0:
+        return f"{value:.{-digits}g}"
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"
+    return "0" if text in ("-0", "") else text
+
+
+# -- reading -------------------------------------------------------------------------------------
+
+
+class Tables:
+    """All tables of the study under a folder.
+
+    Attributes
+    ----------
+    scalars : dict
+        {(case, refinement): {column: float}}; NaN where a cell is empty.
+    curves : dict
+        {(case, refinement, quantity): [row, …]}
+    """
+
+    def __init__(self, folder=HERE):
+        self.folder, self.scalars, self.curves = Path(folder), {}, {}
+        for path in sorted(self.folder.glob(f"*/{SCALARS}")):
+            for row in rows(path):
+                key = row.pop("case"), float(row.pop("refinement"))
+                self.scalars[key] = {name: to_float(text) for name, text in row.items()}
+        for path in sorted(self.folder.glob(f"*/{CURVES}")):
+            for row in rows(path):
+                key = row["case"], float(row["refinement"]), row["quantity"]
+                self.curves.setdefault(key, []).append(row)
+
+    def row(self, case, refinement=1.0):
+        """All numbers of a run that reached its end.
+
+        Raises
+        ------
+        MissingRun
+        """
+        found = self.scalars.get((case, refinement))
+        if found is None or not found["complete"]:
+            raise MissingRun(f"{case} at refinement {refinement:g} is not in the tables")
+        return found
+
+    def value(self, case, column):
+        """A number with its grid uncertainty, `Measured`.
+
+        The number is that of the finer grid, where there is one, and the uncertainty its difference
+        to the one 1.5 times coarser. A case that was run on the coarse grid alone has the
+        uncertainty of mu(I) with the same slope and width.
+        """
+        value = self.row(case, FINE if self.on_both(case) else 1.0)[column]
+        for name in (case, reference(case)):
+            if self.on_both(name):
+                fine, coarse = self.row(name, FINE)[column], self.row(name)[column]
+                return Measured(value, abs(fine - coarse))
+        return Measured(value)
+
+    def on_both(self, *cases):
+        """Whether all these cases were run on both grids."""
+        return all((case, r) in self.scalars for case in cases for r in (1.0, FINE))
+
+    def difference(self, case, other, column):
+        """The number of `case` less that of `other`, `Measured`.
+
+        Where both were run on both grids the uncertainty is that of the difference: what two runs
+        have in common does not count. Otherwise both numbers are those of the coarse grid, and the
+        two uncertainties are added as squares.
+        """
+        if self.on_both(case, other):
+            return self.measure(lambda r: self.row(case, r)[column] - self.row(other, r)[column])
+        ours, theirs = self.value(case, column), self.value(other, column)
+        uncertainty = math.hypot(ours.uncertainty, theirs.uncertainty)
+        return Measured(self.row(case)[column] - self.row(other)[column], uncertainty)
+
+    def measure(self, function):
+        """`function(refinement)` on the finer grid, its change from the coarse one as uncertainty."""
+        coarse = function(1.0)
+        try:
+            fine = function(FINE)
+        except MissingRun:
+            return Measured(coarse)
+        return Measured(fine, abs(fine - coarse))
+
+    def line(self, case, quantity, t=None, x=None, refinement=1.0):
+        """The `Line` of a quantity, nearest to a time [s] and a place [m] where they matter.
+
+        Raises
+        ------
+        MissingRun
+        """
+        if quantity == VELOCITY:
+            return velocity(self.line(case, "front_m", refinement=refinement))
+        found = self.curves.get((case, refinement, quantity), [])
+        for name, wanted in (("t_s", t), ("x_m", x)):
+            if wanted is not None:
+                found = [row for row in found if abs(float(row[name]) - wanted) < SAME_TIME]
+        if not found:
+            raise MissingRun(f"{case} at refinement {refinement:g} has no {quantity}")
+        return as_line(found[0])
+
+    def columns(self, case, quantity, refinement=1.0):
+        """Time, and {x: Line} of a field that is kept by columns."""
+        found = self.curves.get((case, refinement, quantity), [])
+        if not found:
+            raise MissingRun(f"{case} at refinement {refinement:g} has no {quantity}")
+        return float(found[0]["t_s"]), {float(row["x_m"]): as_line(row) for row in found}
+
+    def cell_size(self, case, refinement=1.0):
+        """Cell size of a run [mm]."""
+        return self.row(case, refinement)["cell_size_mm"]
+
+
+def reference(case):
+    """The mu(I) case of the same slope and width."""
+    return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
+
+
+def velocity(front):
+    """The `Line` of the velocity of a front, from 80 ms up to where it is at rest."""
+    still = 10  # points; more than the window of the slope
+    position = np.concatenate([front.values, np.full(still, front.values[-1])])
+    step = front.at[1] - front.at[0]
+    at = np.concatenate([front.at, front.at[-1] + step * np.arange(1, still + 1)])
+    slope = measures.front_velocity(position, step)
+    slope[: measures.EARLIEST] = math.nan  # a vertical wall is read to a cell only
+    return Line(at, slope)
+
+
+def as_line(row):
+    """Abscissae and values of a row."""
+    values = np.array([to_float(text) for text in row["values"].split()])
+    at = float(row["start"]) + float(row["step"]) * np.arange(len(values))
+    return Line(at, values)
+
+
+def rows(path):
+    """The rows of a table as dictionaries of texts."""
+    csv.field_size_limit(1_000_000)
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def to_float(text):
+    """A number, NaN for an empty cell."""
+    return float(text) if text not in ("", "-") else math.nan

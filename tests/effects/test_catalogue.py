@@ -1,0 +1,77 @@
+"""The catalogue and the case file name the same effects; an effect of zero strength is no effect."""
+
+from functools import lru_cache
+from typing import get_type_hints
+
+import pytest
+from effect_runs import collapse, same_to_the_last_bit
+
+from fvcollapse.case import Case, Effects, describe_keys
+from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL, with_effects
+
+KEYS = {info.name for info in describe_keys()}
+# the settings with which each effect does nothing
+ZERO = {
+    "lateral_friction": [{"mu_wall": 0.0}],
+    "gate": [{}, {"speed": 2.3, "time_constant": 0.0}],
+    "viscosity": [{}, {"factor": 1.0}],
+    "bed_friction": [{}, {"mu_bed": 0.48}],
+    "cohesion": [{}],
+    "dilatancy": [{}],
+    "friction_hysteresis": [{}],
+    "nonlocal": [{}],
+    "erodible_bed": [{}],
+    "transverse_profile": [{}, {"view": "wall"}],
+}
+ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
+
+
+def test_catalogue_and_case_name_the_same_effects():
+    assert set(CATALOGUE) == set(get_type_hints(Effects))
+
+
+def test_every_effect_has_a_test_of_zero_strength():
+    assert set(ZERO) == set(CATALOGUE)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_priors_are_of_keys_and_within_their_limits(name):
+    effect = CATALOGUE[name]
+    assert effect.kind in (PHYSICAL, OBSERVATION, NUISANCE)
+    assert set(effect.absorbed_in) <= KEYS
+    for parameter, prior in effect.priors.items():
+        assert f"effects.{name}.{parameter}" in KEYS
+        assert prior.grade in ("A", "A2", "comp", "C")
+        assert prior.source
+        for quantile in (0.02, 0.5, 0.98):  # a value outside its limits would be refused
+            value = float(prior.distribution().ppf(quantile))
+            Case().replace(**{f"effects.{name}.{parameter}": value})
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_variants_name_keys(name):
+    for variant in CATALOGUE[name].variants:
+        assert {f"effects.{name}.{key}" for key in variant} <= KEYS
+
+
+@lru_cache
+def baseline(law):
+    return collapse(0.12, rheology__law=law)
+
+
+@pytest.mark.parametrize("law", ["mu_I", "drucker_prager"])
+@pytest.mark.parametrize(("name", "keys"), ZERO_CASES)
+def test_zero_strength_is_the_baseline_to_the_last_bit(name, keys, law):
+    run = collapse(0.12, **{f"effects__{name}": keys, "rheology__law": law})
+    assert same_to_the_last_bit(run, baseline(law))
+
+
+def test_no_effect_leaves_the_case_itself():
+    case = Case().replace(**{"effects.lateral_friction": {}})
+    assert with_effects(case) is case
+
+
+@pytest.mark.parametrize(("name", "keys"), ZERO_CASES)
+def test_a_change_of_keys_is_applied_once(name, keys):
+    case = with_effects(Case().replace(**{f"effects.{name}": keys}))
+    assert with_effects(case) == case

@@ -1,0 +1,251 @@
+"""The cache of runs: what makes a key, what is kept, and what survives interruption and company."""
+
+import threading
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from fake_simulation import FakeSimulation
+
+from fvcollapse import cache, observe, open_result, output
+from fvcollapse.cache import RunCache, cache_key, default_folder
+from fvcollapse.case import Case
+from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
+from fvcollapse.recorder import SERIES, STEPS
+from fvcollapse.result import Profiles
+
+CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Cases that were started from t = 0, in order."""
+    cases = []
+
+    class Counted(FakeSimulation):
+        def __init__(self, case, state=None):
+            if state is None:
+                cases.append(case)
+            super().__init__(case, state)
+
+    monkeypatch.setattr(output, "Simulation", Counted)
+    return cases
+
+
+def stopped(error, step=3, only=lambda case: True):
+    """The present simulation, stopped before a step."""
+
+    class Stopped(output.Simulation):
+        def advance(self, time_limit):
+            if self.state.step == step and only(self.case):
+                raise error
+            return super().advance(time_limit)
+
+    return Stopped
+
+
+# -- keys ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"rheology.mu_1": 0.481},
+        {"grid.cell_size": 0.0200001},
+        {"effects.lateral_friction": {}},
+        {"numerics.tolerance": 2e-3},
+        {"front.thickness": 0.0051},
+        {"gate.speed": float("inf")},
+    ],
+)
+def test_physics_and_numerics_make_the_key(change):
+    assert cache_key(CASE.replace(**change)) != cache_key(CASE)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"time.end": 2.0}, {"time.output_interval": 0.1}, {"time.output_times": [0.05]}, {}],
+)
+def test_outputs_do_not(change):
+    assert cache_key(CASE.replace(**change)) == cache_key(CASE)
+
+
+def test_another_solver_is_another_key(monkeypatch):
+    before = cache_key(CASE)
+    monkeypatch.setattr(cache, "solver_version", lambda: "0.0")
+    assert cache_key(CASE) != before
+
+
+def test_folder_follows_the_environment(monkeypatch, tmp_path):
+    monkeypatch.setenv("FVCOLLAPSE_CACHE", str(tmp_path))
+    assert default_folder() == tmp_path
+    monkeypatch.delenv("FVCOLLAPSE_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/elsewhere")
+    assert default_folder() == Path("/elsewhere/fvcollapse")
+
+
+# -- what is kept --------------------------------------------------------------------------------
+
+
+def test_extract_measures_as_the_result(started, tmp_path):
+    result = output.run(CASE.replace(**{"time.end": 0.4}))
+    small = open_image(extract_image(result))
+    assert small.case == result.case
+    assert len(small.field_times) == 0
+    full, thin = observe(result), observe(small)
+    np.testing.assert_allclose(thin.profiles, full.profiles, atol=RESOLUTION)
+    np.testing.assert_allclose(thin.interface, full.interface, atol=RESOLUTION)
+    np.testing.assert_allclose(
+        np.interp(full.front[:, 0], *thin.front.T), full.front[:, 1], atol=1e-3
+    )
+    totals = ("sweeps", "capped_steps", "residual_max", "wall_time", "runout", "final_thickness")
+    for name in totals:
+        assert small.summary()[name] == pytest.approx(result.summary()[name], rel=1e-6)
+    lost = small.steps["volume_correction"].sum()
+    assert lost == pytest.approx(result.steps["volume_correction"].sum())
+    np.testing.assert_allclose(small.steps["dt"], np.diff(small.series["time"]), atol=1e-12)
+    np.testing.assert_array_equal(small.steps["time"], small.series["time"][1:])
+
+
+def test_series_keep_first_last_and_one_row_per_interval():
+    time = np.concatenate([[0.0], np.cumsum(np.full(1000, 7e-4))])
+    kept = time[kept_rows(time)]
+    assert (kept[0], kept[-1]) == (time[0], time[-1])
+    assert np.diff(kept)[:-1].min() > INTERVAL - 7e-4
+    assert np.diff(kept).max() < INTERVAL + 7e-4
+    assert kept_rows(np.array([0.0])).tolist() == [0]
+    assert kept_rows(np.array([0.0, 1e-4])).tolist() == [0, 1]
+
+
+def test_extract_of_a_long_fine_run_is_small():
+    """2200 steps, 126 profiles of 370 nodes: 22 degrees on 6 mm cells."""
+    random = np.random.default_rng(1)  # every last bit of the series is new
+    time = np.linspace(0.0, 2.5, 2201)
+    x = np.linspace(0.0, 2.2, 370)
+    heights = 0.1 * np.exp(-((x / np.linspace(0.3, 1.2, 126)[:, None]) ** 2))
+    result = SimpleNamespace(
+        case=CASE,
+        code_version="1",
+        complete=True,
+        series={name: np.cumsum(random.random(2201)) for name in SERIES} | {"time": time},
+        steps={name: random.random(2200) for name in STEPS},
+        profiles=Profiles(np.linspace(0.0, 2.5, 126), x, heights, 0.5 * heights),
+    )
+    assert len(extract_image(result)) < 200_000
+
+
+def test_only_the_extract_stays(started, tmp_path):
+    runs = RunCache(tmp_path)
+    result = runs.run(CASE)
+    assert result.complete
+    place = runs.place(CASE)
+    assert sorted(path.name for path in place.iterdir()) == ["extract.h5", "lock"]
+    assert open_result(place / "extract.h5").case.to_toml() == result.case.to_toml()
+    assert len(started) == 1
+
+
+# -- hits and misses -----------------------------------------------------------------------------
+
+
+def test_second_request_runs_nothing(started, tmp_path):
+    first = RunCache(tmp_path).run(CASE)
+    again = RunCache(tmp_path).run(CASE.replace(**{"time.output_interval": 0.05}))
+    assert len(started) == 1
+    np.testing.assert_array_equal(first.runout, again.runout)
+
+
+def test_longer_run_serves_a_shorter_request_and_not_the_other_way(started, tmp_path):
+    runs = RunCache(tmp_path)
+    runs.run(CASE)
+    assert runs.get(CASE.replace(**{"time.end": 0.06})) is not None
+    assert runs.get(CASE.replace(**{"time.end": 0.2})) is None
+    assert runs.run(CASE.replace(**{"time.end": 0.2})).series["time"][-1] == 0.2
+    assert runs.run(CASE).case.time.end == 0.2
+    assert len(started) == 2
+
+
+def test_broken_extract_is_made_again(started, tmp_path):
+    runs = RunCache(tmp_path)
+    runs.run(CASE)
+    path = runs.place(CASE) / "extract.h5"
+    path.write_bytes(path.read_bytes()[:5000])
+    assert runs.get(CASE) is None
+    assert runs.run(CASE).complete
+    assert len(started) == 2
+
+
+def test_library_is_read_and_never_written(started, tmp_path):
+    RunCache(tmp_path / "library").run(CASE)
+    before = sorted((tmp_path / "library").rglob("*"))
+    runs = RunCache(tmp_path / "own", (tmp_path / "library",))
+    assert runs.run(CASE).complete
+    runs.run(CASE.replace(**{"rheology.mu_1": 0.3}))
+    assert len(started) == 2
+    assert sorted((tmp_path / "library").rglob("*")) == before
+
+
+# -- interruption and company --------------------------------------------------------------------
+
+
+def test_interrupted_run_continues(started, monkeypatch, tmp_path):
+    whole = RunCache(tmp_path / "whole").run(CASE)
+    runs, counted = RunCache(tmp_path / "parts"), output.Simulation
+    monkeypatch.setattr(output, "Simulation", stopped(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        runs.run(CASE)
+    assert runs.get(CASE) is None
+    monkeypatch.setattr(output, "Simulation", counted)
+    parts = runs.run(CASE)
+    assert len(started) == 2  # one each: the second was continued
+    for name in whole.series:
+        np.testing.assert_array_equal(whole.series[name], parts.series[name])
+
+
+def test_shorter_request_finishes_the_longer_run_that_was_cut_short(started, monkeypatch, tmp_path):
+    runs, counted = RunCache(tmp_path), output.Simulation
+    monkeypatch.setattr(output, "Simulation", stopped(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        runs.run(CASE)
+    monkeypatch.setattr(output, "Simulation", counted)
+    assert runs.run(CASE.replace(**{"time.end": 0.02})).case.time.end == 0.1
+    assert len(started) == 1
+
+
+def test_two_at_a_time_make_one_run(started, tmp_path):
+    results = []
+    threads = [
+        threading.Thread(target=lambda: results.append(RunCache(tmp_path).run(CASE)))
+        for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 4
+    assert len(started) == 1
+
+
+# -- many ----------------------------------------------------------------------------------------
+
+
+def test_many_runs_share_what_is_equal_and_failures_stop_nobody(started, monkeypatch, tmp_path):
+    cases = {f"{mu}": CASE.replace(**{"rheology.mu_1": mu}) for mu in (0.3, 0.4, 0.5)}
+    cases["same"] = cases["0.4"].replace(**{"time.end": 0.16})
+    bad = stopped(NumericalError("no pressure"), only=lambda case: case.rheology.mu_1 == 0.3)
+    monkeypatch.setattr(output, "Simulation", bad)
+    runs = RunCache(tmp_path).run_all(cases)
+    assert set(runs.results) == {"0.4", "0.5", "same"}
+    assert set(runs.failures) == {"0.3"}
+    assert len(started) == 3
+    assert runs.results["0.4"].case.time.end == 0.16
+    again = RunCache(tmp_path).run_all(cases)
+    assert set(again.failures) == {"0.3"}
+    assert len(started) == 3  # the bad one fails again where it stopped
+
+
+def test_workers_that_do_not_share_the_folder_are_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(cache, "make_extract", lambda *_: None)
+    with pytest.raises(InputError, match=r"--scheduler: found workers that do not see"):
+        RunCache(tmp_path).run_all({"a": CASE})

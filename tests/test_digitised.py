@@ -1,0 +1,171 @@
+"""Curves of digitising tools: every style of numbers, units, and what is refused."""
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from fvcollapse import load_experiment
+from fvcollapse.__main__ import main
+from fvcollapse.digitised import STYLES, read_pairs
+from fvcollapse.errors import InputError
+
+POINTS = [(0.0, 20.0), (0.05, 21.5), (0.1, -1.25e-3)]
+SET_UP = ["geometry.slope_angle_deg=16", "geometry.height_0=0.14", "geometry.length_0=0.2"]
+
+
+def text_in(between, decimal, pairs=POINTS):
+    mark = "  " if between is None else between
+    lines = (mark.join(repr(float(value)) for value in pair) for pair in pairs)
+    return "\n".join(line.replace(".", decimal) for line in lines) + "\n"
+
+
+@pytest.mark.parametrize(("between", "decimal"), STYLES)
+def test_every_style_is_read(tmp_path, between, decimal):
+    path = tmp_path / "curve.txt"
+    path.write_text(text_in(between, decimal))
+    np.testing.assert_array_equal(read_pairs(path), POINTS)
+
+
+@settings(max_examples=60)
+@given(
+    pairs=st.lists(
+        st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
+        min_size=1,
+        max_size=8,
+        unique_by=lambda pair: pair[0],
+    ),
+    style=st.sampled_from(STYLES),
+)
+def test_style_does_not_change_the_numbers(tmp_path_factory, pairs, style):
+    path = tmp_path_factory.mktemp("curve") / "curve.txt"
+    path.write_text(text_in(*style, pairs))
+    np.testing.assert_array_equal(read_pairs(path), sorted(pairs))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("1, 2\n3, 4\n", [(1, 2), (3, 4)]),
+        ("1 ; 2,5\n", [(1, 2.5)]),
+        ("0,1 ; 2\n3 ; 4\n", [(0.1, 2), (3, 4)]),
+        ("1,5\t2\n", [(1.5, 2)]),
+        ("1,5 -2,5e-3\n", [(1.5, -2.5e-3)]),
+        ("x;y\n1;2\n", [(1, 2)]),
+        ("# tool 4.5\n\n 2\t1 \r\n1\t3\r\n", [(1, 3), (2, 1)]),
+        ("\ufeff1 2\n", [(1, 2)]),
+        ("1 2\n1 4\n0 5\n", [(0, 5), (1, 3)]),  # clicked twice
+    ],
+)
+def test_what_tools_write(tmp_path, text, expected):
+    path = tmp_path / "curve.txt"
+    path.write_text(text, encoding="utf-8")
+    np.testing.assert_array_equal(read_pairs(path), expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "words"),
+    [
+        ("", "file", "no points"),
+        ("x,y\n", "file", "no points"),
+        ("1 2\n3 four\n", "line 2", "'3 four'"),
+        ("1 2 3\n", "line 1", "'1 2 3'"),
+        ("1,5 2,5\n1.5 2.5\n", "line 2", "'1.5 2.5'"),
+        ("1 nan\n", "line 1", "'1 nan'"),
+        ("0,1,0,2\n", "line 1", "'0,1,0,2'"),
+    ],
+)
+def test_what_is_no_curve_is_refused(tmp_path, text, key, words):
+    path = tmp_path / "curve.txt"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_pairs(path)
+    assert caught.value.key == key
+    assert words in caught.value.found
+
+
+# -- the folder --------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "front.txt").write_text("0;20\n50;24,5\n")
+    (tmp_path / "late.txt").write_text("0 13\n30 2.5\n")
+    (tmp_path / "early.txt").write_text("0\t14\n20\t14\n")
+    (tmp_path / "volume.txt").write_text("0,0\n50,2.5\n")
+    return tmp_path
+
+
+def imported(*arguments):
+    return main(["import-curves", "--out", "beads", *arguments])
+
+
+CURVES = ["--front", "front.txt", "--volume", "volume.txt", "--interface", "0.1=late.txt"]
+PROFILES = ["--profile", "0.2=late.txt", "--profile", "0=early.txt"]
+UNITS = ["--length-unit", "cm", "--time-unit", "ms", "--volume-unit", "%"]
+
+
+def test_curves_become_an_experiment(files, capsys):
+    arguments = [word for setting in SET_UP for word in ("--set", setting)]
+    assert imported(*CURVES, *PROFILES, *UNITS, *arguments, "--set", "title=beads, by hand") == 0
+    assert capsys.readouterr().out.count("\n") == 5
+    experiment = load_experiment(files / "beads")
+    assert experiment.settings.title == "beads, by hand"
+    assert experiment.settings.geometry.height_0 == 0.14
+    front, profiles = experiment.curves["front"], experiment.curves["profiles"]
+    np.testing.assert_allclose(front.time, [0.0, 0.05])
+    np.testing.assert_allclose(front.value, [0.2, 0.245])
+    np.testing.assert_allclose(profiles.time, [0.0, 0.0, 0.2, 0.2])
+    np.testing.assert_allclose(profiles.x, [0.0, 0.2, 0.0, 0.3])
+    np.testing.assert_allclose(profiles.value, [0.14, 0.14, 0.13, 0.025])
+    np.testing.assert_allclose(experiment.curves["volume"].value, [0.0, 0.025])
+    np.testing.assert_allclose(experiment.curves["interface"].time, [0.1, 0.1])
+
+
+def test_what_is_not_known_is_asked_for_and_later_curves_join(files, capsys):
+    assert imported("--front", "front.txt", *UNITS) == 0
+    assert "still to be filled in" in (out := capsys.readouterr().out)
+    assert "geometry.slope_angle_deg: found no such key" in out
+    path = files / "beads" / "experiment.toml"
+    text = path.read_text()
+    for line in ("slope_angle_deg = 16", "height_0 = 0.14", "length_0 = 0.2"):
+        assert f"\n# {line.split()[0]} =" in text
+        text = text.replace(f"\n# {line.split()[0]} =", f"\n{line}", 1)
+    path.write_text(text)
+    assert imported(*PROFILES, "--length-unit", "cm") == 0
+    assert list(load_experiment(files / "beads").curves) == ["front", "profiles"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--profile", "late.txt"], "--profile: found 'late.txt'; allowed: T=FILE"),
+        (["--profile", "nan=late.txt"], "--profile: found 'nan=late.txt'"),
+        (["--profile", "0.1="], "--profile: found '0.1='"),
+        (["--front", "none.txt"], "none.txt: file: found no such file"),
+        (["--length-unit", "inch"], "invalid choice: 'inch'"),
+        (
+            ["--profile", "0.1=late.txt", "--profile", "0.1=early.txt"],
+            "early.txt: file: found a second file for profiles at 0.1 s, beside late.txt",
+        ),
+        (["--set", "geometry.hight_0=1"], "geometry.hight_0: found an unknown key"),
+        (["--set", "geometry.height_0=-1"], "geometry.height_0: found -1; allowed: a number > 0"),
+        (["--set", "height"], "--set height: found no key or no '='"),
+    ],
+)
+def test_bad_arguments_are_one_line_and_write_nothing(files, capsys, arguments, words):
+    assert imported(*arguments) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (files / "beads").exists()
+
+
+def test_nothing_is_overwritten(files, capsys):
+    assert imported("--front", "front.txt") == 0
+    before = {path.name: path.read_bytes() for path in (files / "beads").iterdir()}
+    assert imported("--front", "late.txt") == 2
+    assert "front.csv: file: found one that is already there" in capsys.readouterr().err
+    assert imported("--volume", "volume.txt", "--set", "title=other") == 2
+    assert before == {path.name: path.read_bytes() for path in (files / "beads").iterdir()}

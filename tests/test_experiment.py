@@ -1,0 +1,299 @@
+"""Experiment folders: what is read, what is absent, the case they make; a simulation beside them."""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+from experiment_folder import SETTINGS, write_experiment
+from fake_simulation import FakeSimulation
+
+from fvcollapse import load_experiment, observe, output
+from fvcollapse.__main__ import main
+from fvcollapse.align import align, on_points
+from fvcollapse.case import Case
+from fvcollapse.case_keys import key_table
+from fvcollapse.errors import CaseError, InputError
+from fvcollapse.experiment import CASE_KEYS, Settings, read_settings, strip_truth
+from fvcollapse.uncertainty import DEFAULTS
+
+BARE = "[geometry]\nslope_angle_deg = 5\nheight_0 = 0.1\nlength_0 = 0.3\n"
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    return load_experiment(write_experiment(tmp_path / "beads"))
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    monkeypatch.setattr(output, "Simulation", FakeSimulation)
+
+
+# -- what is read ------------------------------------------------------------------------------
+
+
+def test_curves_and_scalars_are_read(experiment):
+    assert experiment.name == "beads"
+    assert experiment.settings.title == "a column of beads"
+    assert list(experiment.curves) == ["front", "profiles", "volume", "interface"]
+    profiles = experiment.curves["profiles"]
+    assert profiles.time.tolist() == [0.0, 0.0, 0.1, 0.1]
+    assert profiles.x.tolist() == [0.1, 0.15, 0.1, 0.3]
+    assert profiles.value.tolist() == [0.14, 0.139, 0.13, -0.001]
+    assert experiment.curves["front"].x is None
+    runout, stop = experiment.scalars
+    assert (runout.name, runout.value, runout.sigma, runout.kind) == ("runout", 0.6, 0.02, "value")
+    assert (stop.kind, stop.sigma) == ("upper", DEFAULTS["time_stop"].value)
+    assert experiment.time_end == 0.2
+
+
+def test_uncertainty_comes_from_column_then_settings_then_default(experiment):
+    curves = experiment.curves
+    assert curves["volume"].sigma.tolist() == [0.002, 0.004]
+    assert set(curves["profiles"].sigma) == {0.0015}
+    assert set(curves["front"].sigma) == {DEFAULTS["front"].value}
+    assert experiment.standard_deviation("mu_1") == 0.008
+    assert experiment.standard_deviation("mu_2") == DEFAULTS["mu_2"].value
+    assert experiment.standard_deviation("speed", 2.3) == pytest.approx(0.23)
+
+
+def test_columns_in_any_order_and_a_byte_order_mark(tmp_path):
+    folder = write_experiment(
+        tmp_path, front="\ufeffsigma_m, x_front_m, t_s\r\n0.1, 0.2, 0\r\n", profiles=None
+    )
+    experiment = load_experiment(folder / "experiment.toml")
+    assert experiment.curves["front"].value.tolist() == [0.2]
+    assert experiment.curves["front"].sigma.tolist() == [0.1]
+    assert "profiles" not in experiment.curves
+
+
+def test_every_deviation_has_a_key_a_unit_and_a_reason():
+    keys = key_table(Settings)
+    for name, default in DEFAULTS.items():
+        assert keys[f"uncertainty.{name}"].unit == default.unit
+        assert default.value > 0.0
+        assert default.reason
+    measured = {path.rpartition(".")[2] for path in keys if path.split(".")[0] != "uncertainty"}
+    assert measured - set(DEFAULTS) == {"title", "source", "origin"}  # the origin's is `time`
+
+
+def test_keys_of_an_experiment_are_listed(capsys):
+    assert main(["keys", "--experiment"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 1 + len(key_table(Settings))
+    (thickness,) = (line for line in lines if line.startswith("uncertainty.thickness"))
+    assert thickness.split()[1] == f"{DEFAULTS['thickness'].value:g}"
+    assert DEFAULTS["thickness"].reason in thickness
+    assert any(line.split()[:2] == ["uncertainty.speed", "10"] for line in lines)
+
+
+def test_front_may_be_unstated(tmp_path):
+    experiment = load_experiment(write_experiment(tmp_path, BARE))
+    assert experiment.front_thickness is None
+    assert experiment.time_origin == 0.0
+    base = Case().replace(**{"front.thickness": 0.002})
+    assert experiment.case(base).front.thickness == 0.002
+
+
+# -- the truth is not read ---------------------------------------------------------------------
+
+TRUTHS = [
+    '[truth]\ncause = "gate"\n',
+    "[truth]\nthis is no TOML at all = = [[[\n",
+    '[ "truth" ]\ncause = 1\n[truth.inner]\nx = 2\n[[truth.list]]\ny = 3\n',
+    "[truth]\nvalues = [\n  [1, 2],\n  3,\n]\n",
+    "['truth'] # hidden\nx = 1\n",
+]
+
+
+@pytest.mark.parametrize("truth", TRUTHS)
+def test_truth_is_stripped_before_parsing(tmp_path, truth):
+    plain = read_settings(write_experiment(tmp_path / "a") / "experiment.toml")
+    text = SETTINGS.replace("[material]", f"{truth}[material]") + truth
+    assert strip_truth(text) == SETTINGS
+    hidden = load_experiment(write_experiment(tmp_path / "b", text))
+    assert hidden.settings == plain
+    assert "truth" not in repr((hidden.settings, hidden.curves, hidden.scalars))
+
+
+@pytest.mark.parametrize(
+    "truth", ['truth = "gate"\n', 'truth.cause = "gate"\n', "truth = {a = 1}\n"]
+)
+def test_truth_as_a_key_is_dropped(tmp_path, truth):
+    experiment = load_experiment(write_experiment(tmp_path / "a", truth + SETTINGS))
+    assert experiment.settings == load_experiment(write_experiment(tmp_path / "b")).settings
+
+
+def test_settings_without_truth_are_left_alone():
+    assert strip_truth(SETTINGS) == SETTINGS
+    assert tomllib.loads(strip_truth("a = '''\n[x]\n'''\n")) == {"a": "[x]\n"}
+
+
+# -- the case ----------------------------------------------------------------------------------
+
+
+def test_baseline_is_the_defaults_and_what_the_experiment_says(experiment):
+    case = experiment.case()
+    changes = {
+        "geometry.slope_angle_deg": 16,
+        "geometry.channel_width": 0.1,
+        "rheology.mu_1": 0.44,
+        "rheology.mu_2": 0.7,
+        "boundary.mu_bed": 0.5,
+        "front.thickness": 0.0105,
+    }
+    assert case == Case().replace(**changes)
+    assert case.effects.lateral_friction is None
+
+
+def test_absent_means_no_walls_no_gate_no_slip(tmp_path):
+    case = load_experiment(write_experiment(tmp_path, BARE)).case()
+    assert case.geometry.channel_width == math.inf
+    assert case.gate.speed == math.inf
+    assert case.boundary.mu_bed == math.inf
+    assert case.boundary.mu_back_wall == Case().boundary.mu_back_wall
+    assert case.rheology == Case().rheology
+
+
+def test_set_up_goes_on_top_of_what_the_user_believes(experiment):
+    base = Case().replace(
+        **{
+            "rheology.mu_1": 0.3,
+            "rheology.I_0": 0.4,
+            "grid.cell_size": 0.02,
+            "geometry.slope_angle_deg": 3,
+            "effects.lateral_friction": {},
+        }
+    )
+    case = experiment.case(base)
+    assert case.rheology.mu_1 == 0.44
+    assert case.rheology.I_0 == 0.4
+    assert case.grid.cell_size == 0.02
+    assert case.geometry.slope_angle_deg == 16
+    assert case.effects.lateral_friction is not None
+
+
+def test_every_key_of_the_set_up_reaches_the_case():
+    settings, case = key_table(Settings), key_table(Case)
+    assert set(CASE_KEYS) <= set(settings)
+    assert {name for name, _ in CASE_KEYS.values()} <= set(case)
+    assert all(settings[own].unit == case[name].unit for own, (name, _) in CASE_KEYS.items())
+
+
+def test_bulk_density_follows_from_the_solid_fraction(tmp_path):
+    text = BARE + "[material]\nsolid_fraction = 0.6\ndensity_grain = 2000\n"
+    assert load_experiment(write_experiment(tmp_path, text)).case().rheology.density_bulk == 1200
+    text += "density_bulk = 1100\n"
+    assert load_experiment(write_experiment(tmp_path, text)).case().rheology.density_bulk == 1100
+
+
+@pytest.mark.parametrize(("height", "length"), [(0.01, 0.4), (8.0, 20.0), (0.4, 0.01)])
+def test_columns_of_any_size_have_a_baseline(tmp_path, height, length):
+    text = BARE.replace("0.1", str(height)).replace("0.3", str(length))
+    case = load_experiment(write_experiment(tmp_path, text)).case()
+    assert case.geometry.height_0 == height
+    assert 4 <= height / case.grid.cell_size <= 160
+
+
+def test_run_lasts_to_the_last_measurement(tmp_path):
+    late = "t_s,x_front_m\n0.0,0.2\n4.0,0.5\n"
+    text = SETTINGS + "[time]\norigin = 0.25\n"
+    experiment = load_experiment(write_experiment(tmp_path, text, front=late))
+    assert experiment.case().time.end == 4.25
+    assert experiment.case(Case().replace(**{"time.end": 9.0})).time.end == 9.0
+
+
+def test_base_that_does_not_fit_names_the_experiment(tmp_path):
+    low = SETTINGS.replace("height_0 = 0.14", "height_0 = 0.02")
+    experiment = load_experiment(write_experiment(tmp_path, low))
+    with pytest.raises(CaseError, match=r"experiment.toml: grid.cell_size: found 0.006"):
+        experiment.case(Case())
+
+
+# -- beside a simulation -----------------------------------------------------------------------
+
+
+def test_simulation_meets_itself(fake, tmp_path):
+    """An experiment made of a result has no gap to it, at stored times and places."""
+    case = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.2, "front.thickness": 0.0105})
+    result = output.run(case)
+    seen = observe(result)
+    picked = seen.profiles[::7]
+    text = {
+        "front": "t_s,x_front_m\n" + rows(seen.front[::3]),
+        "profiles": "t_s,x_m,h_m\n" + rows(picked),
+        "volume": "t_s,relative_volume_change\n" + rows(seen.volume[::4]),
+        "interface": "t_s,x_m,z_static_m\n" + rows(seen.interface[1::5]),
+        "scalars": "name,value\n" + f"runout,{seen.scalars['runout']!r}\n",
+    }
+    experiment = load_experiment(write_experiment(tmp_path, **text))
+    aligned = align(observe(result, experiment), experiment)
+    assert [each.name for each in aligned] == ["front", "profiles", "volume", "interface", "runout"]
+    assert [each.units for each in aligned] == ["m", "m", "1", "m", "m"]
+    for each in aligned:
+        np.testing.assert_allclose(each.gap, 0.0, atol=1e-12)
+        assert each.gap.shape == each.sigma.shape == each.time.shape == each.x.shape
+    np.testing.assert_array_equal(aligned[1].x, picked[:, 1])
+
+
+def rows(table):
+    return "".join(",".join(repr(float(value)) for value in row) + "\n" for row in table)
+
+
+def test_gap_is_simulated_minus_measured(experiment, fake):
+    case = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.3})
+    seen = observe(output.run(case), experiment)
+    front = align(seen, experiment)[0]
+    expected = np.interp([0.0, 0.1, 0.2], seen.front[:, 0], seen.front[:, 1]) - [0.2, 0.24, 0.31]
+    np.testing.assert_allclose(front.gap, expected)
+
+
+def test_both_sides_read_the_front_at_the_same_thickness(experiment, fake):
+    result = output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.2}))
+    ours, theirs = observe(result).front, observe(result, experiment).front
+    assert theirs[-1, 1] < ours[-1, 1]  # 10.5 mm instead of 5 mm
+    again = output.run(result.case.replace(**{"front.thickness": 0.0105}))
+    series = observe(again, experiment).front  # every step, instead of every profile
+    np.testing.assert_allclose(np.interp(theirs[:, 0], *series.T), theirs[:, 1], atol=1e-12)
+
+
+def test_bounds_count_only_what_is_beyond_them(fake, tmp_path):
+    text = "name,value,sigma,kind\nrunout,0.5,0.01,{}\nfinal_height,0.0,0.01,lower\n"
+    result = output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.3}))
+    runout = observe(result, None, front_thickness=0.0105).scalars["runout"]
+    assert runout > 0.5
+    for kind, expected in (("upper", runout - 0.5), ("lower", 0.0), ("value", runout - 0.5)):
+        folder = write_experiment(tmp_path / kind, scalars=text.format(kind))
+        experiment = load_experiment(folder)
+        *_, front, height = align(observe(result, experiment), experiment)
+        assert front.gap[0] == pytest.approx(expected)
+        assert height.gap[0] == 0.0
+
+
+def test_simulation_that_ends_in_motion_must_cover_the_measurements(experiment, fake):
+    seen = observe(output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.15})))
+    assert seen.scalars["time_stop"] is None
+    with pytest.raises(InputError, match=r"front.csv: t_s: found 0.2; allowed: <= 0.15"):
+        align(seen, experiment)
+
+
+def test_motion_that_goes_on_stops_at_the_end_at_the_earliest(experiment, fake):
+    seen = observe(output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.25})))
+    stop = align(seen, experiment)[-1]
+    assert stop.name == "time_stop"
+    assert stop.simulated[0] == 0.25
+    assert stop.gap[0] == 0.0  # the bound is 1.4 s
+
+
+def test_interpolation_is_exact_for_what_is_linear():
+    time, x = np.array([0.0, 0.1, 0.3]), np.linspace(0.0, 1.0, 6)
+    values = 0.2 + time[:, None] + 0.5 * x[None, :]
+    at_time, at_x = np.array([0.05, 0.05, 0.2, 0.2, 0.2]), np.array([0.1, 0.9, 0.0, 0.33, 1.1])
+    found = on_points(time, x, values, at_time, at_x)
+    np.testing.assert_allclose(found[:4], 0.2 + at_time[:4] + 0.5 * at_x[:4])
+    assert found[4] == 0.0  # no grains beyond the domain
+    early, late = np.array([-1.0]), np.array([9.0])
+    assert on_points(time, x, values, early, x[:1])[0] == values[0, 0]
+    assert on_points(time, x, values, late, x[:1])[0] == values[2, 0]
+    assert on_points(time[:1], x, values[:1], late, x[1:2])[0] == values[0, 1]
