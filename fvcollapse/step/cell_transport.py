@@ -36,7 +36,7 @@ def volume_fluxes(flux_x, flux_z, u, w, aperture, phi_old, phi_new, dt, dx, dz):
 
 
 def transport_cells(values, u, w, aperture, phi_old, phi_new, dt, dx, dz):
-    """The values (nx, nz) after the grains have moved for dt; bounded by those before.
+    """The values (nx, nz) after the grains have moved for dt.
 
     Parameters
     ----------

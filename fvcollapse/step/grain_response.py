@@ -97,9 +97,9 @@ def carry_response(state, aperture, phi_old, dt, dx, dz):
     """Move the fields that belong to the grains with them, in place; the surface has moved already."""
     flow = state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
     if state.solid_fraction is not None:
-        carry_fraction(state, *flow[2:])
+        carry_fraction(state, aperture, phi_old, dt, dx, dz)
     if state.settled_share is not None:
-        state.settled_share[:] = transport_cells(state.settled_share, *flow)
+        state.settled_share[:] = np.clip(transport_cells(state.settled_share, *flow), 0.0, 1.0)
 
 
 def prepare_response(work, state, response):

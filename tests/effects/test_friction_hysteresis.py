@@ -38,7 +38,7 @@ def test_between_the_two_inertial_numbers_the_contacts_keep_their_share():
 
 
 def test_without_pressure_nothing_settles():
-    assert settled_after(0.3, 0.0, 0.0, 10.0, LAW, GRAIN_SCALE) == 0.3
+    assert settled_after(0.3, 0.0, 0.0, 10.0, LAW, GRAIN_SCALE) == pytest.approx(0.3)
     assert settled_after(0.3, 10.0, 0.0, 10.0, LAW, GRAIN_SCALE) < 1e-6
 
 
@@ -82,7 +82,9 @@ def test_above_the_start_angle_it_starts_and_below_the_stop_angle_it_stops():
     assert run_until(inclined_layer(24.5, 0.0), 1.0).surface_velocity() > 0.05
     stopped = run_until(inclined_layer(20.0, 1.0), 2.0)
     assert stopped.surface_velocity() < 5.0 * DEPTH * stopped.case.numerics.shear_rate_min
-    assert stopped.state.settled_share[stopped.geometry.filled > 0.5] == pytest.approx(1.0, abs=0.01)
+    assert stopped.state.settled_share[stopped.geometry.filled > 0.5] == pytest.approx(
+        1.0, abs=0.01
+    )
 
 
 def test_static_friction_shortens_the_run_the_more_the_higher_it_is():
