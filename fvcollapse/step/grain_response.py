@@ -103,7 +103,8 @@ def carry_response(state, aperture, phi_old, dt, dx, dz):
 
 
 def prepare_response(work, state, response):
-    """Hand the fields of the state to the solve."""
+    """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
+    work.local_friction[:] = 0.0
     if state.solid_fraction is not None:
         work.solid_fraction[:] = state.solid_fraction
     if state.settled_share is not None:
