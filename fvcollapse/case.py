@@ -245,20 +245,33 @@ class LateralFriction(Section):
     ] = 0.05
 
 
-class Effects(Section):
-    """What is added to the physics that the user believes; absent = off."""
-
+class _Effects(Section):
     lateral_friction: LateralFriction | None = None
     gate: case_effects.Gate | None = None
     viscosity: case_effects.Viscosity | None = None
     bed_friction: case_effects.BedFriction | None = None
+    dilatancy: case_effects.Dilatancy | None = None
     cohesion: case_effects.Cohesion | None = None
+    friction_hysteresis: case_effects.FrictionHysteresis | None = None
     erodible_bed: case_effects.ErodibleBed | None = None
     transverse_profile: case_effects.TransverseProfile | None = None
     front_saltation: case_effects.FrontSaltation | None = None
     tilt: case_effects.Tilt | None = None
     column_size: case_effects.ColumnSize | None = None
     time_origin: case_effects.TimeOrigin | None = None
+
+
+# `nonlocal` is a word of Python, which no class body can declare
+Effects = msgspec.defstruct(
+    "Effects",
+    [("nonlocal", case_effects.Nonlocal | None, None)],
+    bases=(_Effects,),
+    module=__name__,
+    namespace={"__doc__": "What is added to the physics that the user believes; absent = off."},
+    kw_only=True,
+    frozen=True,
+    forbid_unknown_fields=True,
+)
 
 
 class Case(Section):

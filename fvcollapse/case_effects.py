@@ -76,6 +76,52 @@ class BedFriction(Section):
     ) = None
 
 
+class Dilatancy(Section):
+    """Sheared grains expand or contract towards nu_eq(I) and rub more or less; mass is conserved."""
+
+    dilatancy_factor: Annotated[
+        float, key("-", "K of tan(psi) = K (nu - nu_eq); 0 = incompressible", ge=0, le=20)
+    ] = 0.0
+    solid_fraction_critical: Annotated[
+        float, key("-", "nu_eq of slow shear, I = 0", ge=0.3, le=0.74)
+    ] = 0.60
+    solid_fraction_slope: Annotated[
+        float, key("-", "decrease of nu_eq from I = 0 to I = 1, and no further", ge=0, le=0.25)
+    ] = 0.15
+    solid_fraction_0: (
+        Annotated[
+            float,
+            key(
+                "-",
+                "solid fraction at the start; absent = density_bulk / density_grain",
+                ge=0.3,
+                le=0.74,
+            ),
+        ]
+        | None
+    ) = None
+
+
+class FrictionHysteresis(Section):
+    """Grains that have settled need more than mu(I) to start; once they flow mu(I) holds."""
+
+    delta_mu: Annotated[float, key("-", "static friction above mu(I)", ge=0, le=1)] = 0.0
+    I_start: Annotated[
+        float, key("-", "inertial number above which contacts break", gt=0, le=1)
+    ] = 0.01
+    strain: Annotated[
+        float, key("-", "shear strain that breaks them, by a factor 1/e", gt=0, le=10)
+    ] = 0.05
+
+
+class Nonlocal(Section):
+    """Granular fluidity: grains beside a flow creep below their yield stress, grains beside rest are held."""
+
+    A: Annotated[
+        float, key("-", "nonlocal amplitude; A grain_diameter is the length", ge=0, le=10)
+    ] = 0.0
+
+
 class Cohesion(Section):
     """Cohesion between the grains: a yield stress without pressure.
 

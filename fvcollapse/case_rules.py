@@ -104,6 +104,21 @@ def rule_outputs(case):
             yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
 
 
+FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
+
+
+def rule_field_effects(case):
+    """Effects that carry a field act on a friction coefficient, in the coupled solve."""
+    method, law = case.numerics.method, case.rheology.law
+    for name in FIELD_EFFECTS:
+        if getattr(case.effects, name) is None:
+            continue
+        if method != "coupled":
+            yield "numerics.method", show(method), f'"coupled" with effects.{name}'
+        if law not in ("mu_I", "drucker_prager"):
+            yield "rheology.law", show(law), f'"mu_I" or "drucker_prager" with effects.{name}'
+
+
 def rule_viscosity(case):
     """The viscosity effect has a viscous part to act on, and one way to act."""
     effect, law = case.effects.viscosity, case.rheology.law
@@ -175,6 +190,7 @@ RULES = (
     rule_cohesion,
     rule_erodible_bed,
     rule_column_size,
+    rule_field_effects,
 )
 
 

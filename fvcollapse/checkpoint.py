@@ -9,7 +9,7 @@ from fvcollapse.case import case_from_text
 from fvcollapse.errors import CaseError, InputError
 from fvcollapse.files import build_image, reading, text_attribute, write_dataset
 from fvcollapse.recorder import Recorder
-from fvcollapse.state import FIELDS, SCALARS, State, location_shape
+from fvcollapse.state import EFFECT_FIELDS, FIELDS, SCALARS, State, location_shape
 from fvcollapse.version import __version__
 
 FORMAT = "fvcollapse-checkpoint"
@@ -48,15 +48,20 @@ def write_state(group, state):
     """Every field as a dataset, every scalar as an attribute (float64 and int64 keep every bit)."""
     for name, (_, units, description, *_) in FIELDS.items():
         write_dataset(group, name, getattr(state, name), units, description)
+    for name in state.effect_fields():
+        _, _, units, description = EFFECT_FIELDS[name]
+        write_dataset(group, name, getattr(state, name), units, description)
     for name in SCALARS:
         group.attrs[name] = getattr(state, name)
 
 
 def read_state(group):
     """The state that `write_state` stored."""
-    fields = {name: group[name][:] for name in FIELDS}
+    locations = {name: location for name, (location, *_) in FIELDS.items()}
+    locations |= {name: EFFECT_FIELDS[name][1] for name in EFFECT_FIELDS if name in group}
+    fields = {name: group[name][:] for name in locations}
     nodes = fields["level_set"].shape
-    for name, (location, *_) in FIELDS.items():
+    for name, location in locations.items():
         if fields[name].shape != location_shape(location, nodes[0] - 1, nodes[1] - 1):
             raise ValueError(f"{name} has the wrong shape")
     return State(**fields, **{name: group.attrs[name].item() for name in SCALARS})
@@ -70,7 +75,11 @@ def read_checkpoint(path):
         if stored.recorder.series["time"][-1] != stored.state.time:
             raise ValueError("the record does not end at the state")
     try:
-        case_from_text(text, path)
+        case = case_from_text(text, path)
     except CaseError as error:
         raise InputError(path, "case", str(error), "a case that this version reads") from None
+    carried = {name for name, about in EFFECT_FIELDS.items() if getattr(case.effects, about[0])}
+    if carried != set(stored.state.effect_fields()):
+        found = ", ".join(stored.state.effect_fields()) or "none"
+        raise InputError(path, "fields of the effects", found, ", ".join(sorted(carried)) or "none")
     return stored

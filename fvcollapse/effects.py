@@ -154,6 +154,48 @@ CATALOGUE = {
         },
         absorbed_in=("rheology.mu_1", "boundary.mu_bed"),
     ),
+    "dilatancy": Effect(
+        PHYSICAL,
+        {
+            "dilatancy_factor": Prior(
+                "loguniform",
+                1.0,
+                5.0,
+                "A2",
+                "4.0 in SedFoam; 4.09 of Pailha & Pouliquen (2009), order 1 of Roux & Radjai (1998) (C)",
+            ),
+            "solid_fraction_critical": Prior(
+                "uniform", 0.585, 0.62, "A2", "0.60 (dry) and 0.585 (immersed) in SedFoam"
+            ),
+            "solid_fraction_slope": Prior(
+                "uniform", 0.1, 0.2, "C", "linear nu_eq(I) of dry discs and beads"
+            ),
+            "solid_fraction_0": Prior(
+                "uniform",
+                0.58,
+                0.64,
+                "A2",
+                "0.62 (Mangeney et al. 2010), 0.59 from the bulk density of other beads",
+            ),
+        },
+        absorbed_in=("rheology.mu_1", "rheology.mu_2", "rheology.density_bulk"),
+    ),
+    "friction_hysteresis": Effect(
+        PHYSICAL,
+        {
+            "delta_mu": Prior(
+                "uniform", 0.01, 0.06, "A2", "start angle 0.5-2.5 deg above the stop angle"
+            ),
+            "I_start": Prior("loguniform", 0.005, 0.01, "A", "values tried in sand6"),
+            "strain": Prior("loguniform", 0.01, 0.1, "C", "some per cent of strain to the peak"),
+        },
+        absorbed_in=("rheology.mu_1",),
+    ),
+    "nonlocal": Effect(
+        PHYSICAL,
+        {"A": Prior("uniform", 0.4, 0.9, "A2", "0.5 in a code of the model; 0.48 for beads (C)")},
+        absorbed_in=("rheology.mu_1", "rheology.I_0"),
+    ),
     "cohesion": Effect(
         PHYSICAL,
         {

@@ -11,6 +11,7 @@ import numpy as np
 
 from fvcollapse.files import memory_file, write_dataset
 from fvcollapse.observables import front_velocity, measure, numerical_loss, static_height, thickness
+from fvcollapse.state import EFFECT_FIELDS
 from fvcollapse.step.erodible_bed import layer_thickness
 
 SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
@@ -206,7 +207,8 @@ class Recorder:
     def add_field(self, simulation):
         """Compress the present fields into /fields/<index>, and what ParaView needs beside."""
         state, grid = simulation.state, simulation.grid
-        arrays = {name: getattr(state, name) for name in ("level_set", "u", "w")}
+        own = ("level_set", "u", "w", *state.effect_fields())
+        arrays = {name: getattr(state, name) for name in own}
         arrays |= {
             name: a for name, a in simulation.cell_quantities().items() if name not in NOT_STORED
         }
@@ -215,7 +217,7 @@ class Recorder:
         group.attrs["time"] = state.time
         group.attrs["dx"], group.attrs["dz"] = grid.dx, grid.dz
         for name, values in arrays.items():
-            write_dataset(group, name, values, *FIELDS.get(name, ("SI", name.replace("_", " "))))
+            write_dataset(group, name, values, *about_field(name))
         write_paraview(self.store["paraview"].create_group(index), state, grid)
 
     def drop_end(self, landings, end):
@@ -273,6 +275,13 @@ class Recorder:
             del recorder.store[name]
             file.copy(name, recorder.store)
         return recorder
+
+
+def about_field(name):
+    """(units, description) of a field of the flow or of an effect."""
+    if name in EFFECT_FIELDS:
+        return EFFECT_FIELDS[name][2:]
+    return FIELDS.get(name, ("SI", name.replace("_", " ")))
 
 
 def check_layout(file):

@@ -18,6 +18,7 @@ from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, quantities
 from .step.banded import allocate_system
+from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
@@ -31,6 +32,14 @@ from .step.geometry import (
     number_unknowns,
     repeat_columns,
     wetted_edge,
+)
+from .step.grain_response import (
+    carry_response,
+    extend_response,
+    finish_response,
+    prepare_response,
+    response_of,
+    start_response,
 )
 from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
 from .step.lateral_friction import brake_before_solve, sink_constants
@@ -79,9 +88,12 @@ class Simulation:
         self.lift, self.layer = gate_lift(case), layer_thickness(case)
         self.shape_factor = shape_factor_of(case)
         self.material = material(case)
+        self.response = response_of(case)
+        self.packing_0 = initial_fraction(case) / self.response.dilatancy.fraction_bulk
         slope = math.radians(case.geometry.slope_angle_deg)
         self.gravity = GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
         self.state = initial_state(case, grid) if state is None else state
+        start_response(self.state, case)
         self._allocate()
         if state is None:
             self._settle()
@@ -102,7 +114,9 @@ class Simulation:
 
     def cell_quantities(self):
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
-        return quantities.cell_quantities(self.state, self.geometry, self.material, *self.spacing)
+        return quantities.cell_quantities(
+            self.state, self.geometry, self.material, self.response, *self.spacing
+        )
 
     def energies(self):
         """Kinetic and potential energy, J/m; see `fvcollapse.step.quantities.energies`."""
@@ -182,14 +196,16 @@ class Simulation:
         self.state = state = start.copy()
         dx, dz = self.spacing
         self._repeat(state.level_set, state.u, state.w)
+        packing = self._packing()
         correction = self._move_surface(dt)
-        u_star, w_star = self._advect_momentum(start.level_set, dt)
+        u_star, w_star = self._advect_momentum(start.level_set, packing, dt)
         self._place(state.time + dt)
         balance = self._balance(dt)
         impulse = self._split_friction(u_star, w_star, balance)
         if impulse is not None:
             balance = balance._replace(wall_strength=0.0)
         outcome = self._solve(u_star, w_star, impulse, balance)
+        self._finish_response(dt)
         solved = self._book_energy(u_star, w_star, impulse, balance)
         self._continue_velocity()
         energy = self.energies()
@@ -209,6 +225,7 @@ class Simulation:
             limit_advection(self.shape_factor * fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
             limit_gate(self.lift.speed, moving, dz),
+            limit_dilatancy(self.state.dilation_rate),
         )
         return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
 
@@ -225,8 +242,31 @@ class Simulation:
 
     # ---------------------------------------------------------------- its parts
 
+    def _packing(self):
+        """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
+        if self.state.solid_fraction is None:
+            return np.ones_like(self.state.pressure_filled)
+        return self.state.solid_fraction / self.response.dilatancy.fraction_bulk
+
+    def _finish_response(self, dt):
+        """Fields that the effects carry, after the solve."""
+        state, work = self.state, self.work
+        finish_response(
+            work.response,
+            state,
+            work.e_centre,
+            work.g_node,
+            self.geometry,
+            self.material,
+            self.response,
+            dt,
+            *self.spacing,
+        )
+        self._repeat(*(getattr(state, name) for name in state.effect_fields()))
+
     def _move_surface(self, dt):
         state, (dx, dz) = self.state, self.spacing
+        phi_old = state.level_set.copy() if state.effect_fields() else None
         u_node, w_node = np.empty_like(state.level_set), np.empty_like(state.level_set)
         level_set.node_velocity(u_node, w_node, state.u, state.w)
         u_surface, w_surface = np.empty_like(u_node), np.empty_like(w_node)
@@ -249,20 +289,26 @@ class Simulation:
             level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
             state.travel, state.travel_steps = 0.0, 0
         self._repeat(state.level_set)
+        if phi_old is not None:
+            carry_response(state, self.geometry.aperture, phi_old, dt, dx, dz)
+            self._repeat(*(getattr(state, name) for name in state.effect_fields()))
         self.outflow = Outflow(0.0, 0.0)
         if fastest == 0.0:
             return 0.0
         self._book_outflow(u_node, w_node, dt)
-        target = (state.volume_0 - state.volume_outflow) / (dx * dz)
+        target = (state.volume_0 - state.volume_outflow) * self.packing_0 / (dx * dz)
         added = (
-            level_set.correct_volume(state.level_set, speed / fastest, target, min(dx, dz))
+            level_set.correct_volume(
+                state.level_set, speed / fastest, self._packing(), target, min(dx, dz)
+            )
             * dx
             * dz
+            / self.packing_0
         )
         state.volume_correction += abs(added)
         return added
 
-    def _advect_momentum(self, old_level_set, dt):
+    def _advect_momentum(self, old_level_set, packing, dt):
         """Velocity (u*, w*) after the mass between the old and the new surface has carried it for dt."""
         state = self.state
         u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
@@ -275,6 +321,7 @@ class Simulation:
             self.geometry.aperture,
             old_level_set,
             state.level_set,
+            packing,
             dt,
             *self.spacing,
             self.shape_factor,
@@ -289,7 +336,8 @@ class Simulation:
         speed = 0.5 * (u_node[-1, :-1] + u_node[-1, 1:])
         rise = 0.5 * (w_node[-1, :-1] + w_node[-1, 1:])
         wetted = np.array([wetted_edge(*ends) for ends in itertools.pairwise(phi)])
-        through = np.maximum(wetted * speed, 0.0) * dz * dt
+        packing = self._packing()[-1]
+        through = np.maximum(wetted * speed, 0.0) * dz * dt * packing
         gx, gz = self.gravity
         middle = self.grid.z_nodes[:-1] + 0.5 * wetted * dz
         mass = self.case.rheology.density_bulk * through
@@ -297,7 +345,7 @@ class Simulation:
             float(mass @ (0.5 * (speed**2 + rise**2))),
             float(mass @ (-gx * self.grid.nx * dx - gz * middle)),
         )
-        self.state.volume_outflow += through.sum()
+        self.state.volume_outflow += through.sum() / self.packing_0
         self.state.energy_outflow += sum(self.outflow)
 
     def _place(self, time, closed=False):
@@ -312,8 +360,14 @@ class Simulation:
             self.state.level_set,
             geometry.aperture,
         )
+        geometry.packing[:] = self._packing()
         fill_faces(
-            geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
+            geometry.mass_x,
+            geometry.mass_z,
+            geometry.filled,
+            geometry.lever_x,
+            geometry.lever_z,
+            geometry.packing,
         )
         geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
         fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
@@ -385,6 +439,7 @@ class Simulation:
         band, rhs = allocate_system(self.ends, self.buffer)
         if band.size > self.buffer.size:
             self.buffer = band.reshape(-1)
+        prepare_response(self.work.response, state, self.response)
         return coupled.solve(
             state.u,
             state.w,
@@ -430,6 +485,7 @@ class Simulation:
             self.gate_column,
             gate_velocity(self.state.time + dt, self.lift),
             case.effects.gate.mu_gate if case.effects.gate is not None else 0.0,
+            self.response,
         )
 
     def _continue_velocity(self):
@@ -484,6 +540,7 @@ class Simulation:
             extra_z = MARGIN
         if extra_x or extra_z:
             grow(self.state, extra_x, extra_z)
+            extend_response(self.state, self.case, nx, nz)
             self._allocate()
             if extra_x and self.layer > 0.0:
                 extend_layer(self.state, extra_x, self.layer, self.grid.z_nodes, self.spacing[0])

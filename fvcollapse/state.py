@@ -12,6 +12,18 @@ FIELDS = {
     "pressure_filled": ("centre", "Pa", "filled fraction times pressure", True),
     "bed_slip": ("xnode", "m/s", "slip velocity at the bed", True),
 }
+# name: (effect that carries it, location, units, description); absent from a state without that effect
+EFFECT_FIELDS = {
+    "solid_fraction": ("dilatancy", "centre", "1", "volume of the grains over volume of the cell"),
+    "dilation_rate": ("dilatancy", "centre", "1/s", "imposed rate of volume change, div u"),
+    "settled_share": (
+        "friction_hysteresis",
+        "centre",
+        "1",
+        "share of the contacts that have settled: 1 at rest, 0 in flow",
+    ),
+    "fluidity": ("nonlocal", "centre", "1/s", "granular fluidity, shear rate over tau/p"),
+}
 SCALARS = {
     "time": ("s", "time since the gate starts to rise"),
     "step": ("1", "number of completed steps"),
@@ -38,7 +50,7 @@ SCALARS = {
 
 @dataclass
 class State:
-    """Arrays on the staggered grid (see `FIELDS`) and bookkeeping scalars (see `SCALARS`)."""
+    """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`)."""
 
     level_set: np.ndarray
     u: np.ndarray
@@ -62,10 +74,19 @@ class State:
     energy_outflow: float = 0.0
     travel: float = 0.0
     travel_steps: int = 0
+    solid_fraction: np.ndarray | None = None
+    dilation_rate: np.ndarray | None = None
+    settled_share: np.ndarray | None = None
+    fluidity: np.ndarray | None = None
+
+    def effect_fields(self):
+        """Names of the fields that the effects carry in this state."""
+        return [name for name in EFFECT_FIELDS if getattr(self, name) is not None]
 
     def copy(self):
         """Independent copy of the state."""
-        arrays = {name: getattr(self, name).copy() for name in FIELDS}
+        names = [*FIELDS, *self.effect_fields()]
+        arrays = {name: getattr(self, name).copy() for name in names}
         return State(**arrays, **{name: getattr(self, name) for name in SCALARS})
 
 
@@ -86,7 +107,8 @@ def grow(state, extra_x, extra_z):
     The level set is continued with its last slope away from the grains, everything else with zero.
     """
     nx, nz = state.pressure_filled.shape
-    for name, (location, *_) in FIELDS.items():
+    for name in [*FIELDS, *state.effect_fields()]:
+        location = EFFECT_FIELDS[name][1] if name in EFFECT_FIELDS else FIELDS[name][0]
         old = getattr(state, name)
         new = np.zeros(location_shape(location, nx + extra_x, nz + extra_z))
         new[tuple(slice(n) for n in old.shape)] = old

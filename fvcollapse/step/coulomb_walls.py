@@ -14,13 +14,14 @@ import math
 from numba import njit
 
 from .geometry import WET
-from .rheology import effective_viscosity, shear_rate_at_stress
+from .rheology import effective_viscosity, shear_rate_at_stress, with_extra_friction
 
 
 @njit(cache=True)
 def bed_reaction(pressure_filled, weight_centre, e_centre, geometry, i, gz, density, dz):
     """Normal reaction of the bed under cell (i, 0), Pa averaged over the cell, >= 0."""
     carried = density * gz * dz * (geometry.filled[i, 0] - geometry.lever_z[i, 0])
+    carried *= geometry.packing[i, 0]
     return max(pressure_filled[i, 0] + 2.0 * weight_centre[i, 0] * e_centre[i, 0] - carried, 0.0)
 
 
@@ -28,6 +29,7 @@ def bed_reaction(pressure_filled, weight_centre, e_centre, geometry, i, gz, dens
 def back_wall_reaction(pressure_filled, weight_centre, e_centre, geometry, k, gx, density, dx):
     """Normal reaction of the back wall on cell (0, k), Pa averaged over the cell, >= 0."""
     carried = density * gx * dx * (geometry.filled[0, k] - geometry.lever_x[0, k])
+    carried *= geometry.packing[0, k]
     return max(pressure_filled[0, k] - 2.0 * weight_centre[0, k] * e_centre[0, k] - carried, 0.0)
 
 
@@ -81,6 +83,7 @@ def bed_friction(
     pressure_filled,
     weight_centre,
     e_centre,
+    extra_friction,
     geometry,
     material,
     gz,
@@ -88,14 +91,17 @@ def bed_friction(
     mu_bed,
     dz,
 ):
-    """Friction coefficients (nx + 1,) of the bed faces in Pa s/m, and their slip velocities in m/s."""
+    """Friction coefficients (nx + 1,) of the bed faces in Pa s/m, and their slip velocities in m/s.
+
+    `extra_friction` (nx, nz) is friction of the grains themselves, not of the bed.
+    """
     nx = pressure_filled.shape[0]
     k_bed[:] = 0.0
     for i in range(1, nx + 1):
         if geometry.index_u[i, 0] < 0:
             bed_slip[i] = u[i, 0]
             continue
-        reaction = coverage = 0.0
+        reaction = coverage = extra = shares = 0.0
         for cell in range(i - 1, min(i + 1, nx)):
             v = geometry.filled[cell, 0]
             if v > WET:
@@ -106,8 +112,12 @@ def bed_friction(
                     pressure_filled, weight_centre, e_centre, geometry, cell, gz, density, dz
                 )
                 coverage += share * geometry.bed_cover[cell]
+                extra += share * extra_friction[cell, 0]
+                shares += share
+        extra = extra / shares if shares > 0.0 else 0.0
+        grains = with_extra_friction(material, extra)
         k_bed[i], slip = friction_coefficient(
-            abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed, material
+            abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed, grains
         )
         bed_slip[i] = math.copysign(slip, u[i, 0])
 
@@ -120,6 +130,7 @@ def back_wall_friction(
     pressure_filled,
     weight_centre,
     e_centre,
+    extra_friction,
     geometry,
     material,
     gx,
@@ -134,7 +145,7 @@ def back_wall_friction(
     for k in range(1, nz):
         if geometry.index_w[0, k] < 0:
             continue
-        reaction = coverage = 0.0
+        reaction = coverage = extra = shares = 0.0
         for cell in range(k - 1, k + 1):
             v = geometry.filled[0, cell]
             if v > WET:
@@ -145,6 +156,10 @@ def back_wall_friction(
                     pressure_filled, weight_centre, e_centre, geometry, cell, gx, density, dx
                 )
                 coverage += share * geometry.wall_cover[cell]
+                extra += share * extra_friction[0, cell]
+                shares += share
+        extra = extra / shares if shares > 0.0 else 0.0
+        grains = with_extra_friction(material, extra)
         k_wall[k], wall_slip[k] = friction_coefficient(
-            abs(w[0, k]), 0.5 * dx, reaction, coverage, mu_wall, material
+            abs(w[0, k]), 0.5 * dx, reaction, coverage, mu_wall, grains
         )

@@ -1,11 +1,11 @@
 """Velocity and pressure of one step together: nonlinear sweeps over one banded Cholesky solve each.
 
     rho (u - u*)/dt + grad p - div(2 eta D) + friction = rho g,
-    0 <= p  perpendicular to  div u >= 0
+    0 <= p  perpendicular to  div u - s >= 0,   s = 0 unless the grains dilate (`dilatancy`)
 
 Each sweep freezes viscosity, wall friction and the set of cells in compression, and solves
-(A + r B^T B) u = f + B^T P for all active faces at once, then updates the multiplier
-P -= r B u (augmented Lagrangian, B = div). With a direct factorisation r may be far above any
+(A + r B^T B) u = f + B^T (P + r s) for all active faces at once, then updates the multiplier
+P -= r (B u - s) (augmented Lagrangian, B = div). With a direct factorisation r may be far above any
 viscosity, so P is nearly exact after one sweep and no splitting error exists: a static state is
 static for any time step. A cell whose P turns negative is released (P = 0, free to open) and taken
 up again with P = 0 when it is being compressed; in the bilateral form every wet cell stays.
@@ -21,6 +21,15 @@ from .banded import clear, factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
 from .geometry import WET, last_face
+from .grain_response import (
+    Response,
+    ResponseWork,
+    add_extra_friction,
+    add_source,
+    allocate_response,
+    relax_late,
+    respond,
+)
 from .lateral_friction import face_pressures, sink_coefficients
 from .rheology import with_shear_rate_min
 from .strain import strain_rates
@@ -52,6 +61,7 @@ class Balance(NamedTuple):
     gate_column: int
     gate_speed: float
     mu_gate: float
+    response: Response
 
 
 class Work(NamedTuple):
@@ -72,6 +82,7 @@ class Work(NamedTuple):
     sink_z: np.ndarray
     constrained: np.ndarray
     multiplier: np.ndarray
+    response: ResponseWork
 
 
 class Outcome(NamedTuple):
@@ -107,6 +118,25 @@ def allocate_work(nx, nz):
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz), np.bool_),
         np.zeros((nx, nz)),
+        allocate_response(nx, nz),
+    )
+
+
+@njit(cache=True)
+def answer(work, pressure_filled, geometry, material, balance, dx, dz):
+    """What the effects make of the strain rates in `work`."""
+    respond(
+        work.response,
+        work.e_centre,
+        work.g_node,
+        pressure_filled,
+        geometry,
+        material,
+        balance.response,
+        balance.penalty,
+        balance.dt,
+        dx,
+        dz,
     )
 
 
@@ -114,6 +144,8 @@ def allocate_work(nx, nz):
 def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
     strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    if balance.response.active:
+        answer(work, pressure_filled, geometry, material, balance, dx, dz)
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
@@ -123,6 +155,17 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         geometry,
         material,
     )
+    if balance.response.active:
+        add_extra_friction(
+            work.weight_centre,
+            work.weight_node,
+            work.response.extra_friction,
+            work.e_centre,
+            work.g_node,
+            pressure_filled,
+            geometry,
+            material,
+        )
     bed_friction(
         work.k_bed,
         bed_slip,
@@ -130,6 +173,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
+        work.response.extra_friction,
         geometry,
         material,
         balance.gz,
@@ -144,6 +188,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         pressure_filled,
         work.weight_centre,
         work.e_centre,
+        work.response.extra_friction,
         geometry,
         material,
         balance.gx,
@@ -159,6 +204,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
             pressure_filled,
             work.weight_centre,
             work.e_centre,
+            work.response.extra_friction,
             geometry,
             material,
             balance,
@@ -242,13 +288,15 @@ def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, b
     """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
     clear(band, ends)
     add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-    add_cells(band, work.weight_centre, work.constrained, balance.penalty, geometry, dx, dz)
+    add_cells(band, work.weight_centre, work.constrained, work.response.penalty, geometry, dx, dz)
     add_nodes(band, work.weight_node, geometry, dx, dz)
     for i in range(work.constrained.shape[0]):
         for k in range(work.constrained.shape[1]):
             if not work.constrained[i, k]:
                 pressure_filled[i, k] = 0.0
     add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+    if balance.response.dilatancy.factor > 0.0:
+        add_source(rhs, work.response, work.constrained, geometry, dx, dz)
 
 
 @njit(cache=True)
@@ -280,8 +328,8 @@ def take_solution(u, w, solution, geometry):
 
 
 @njit(cache=True)
-def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, dx, dz):
-    """Cells in which div u = 0 is imposed first: all wet ones, or those under pressure or being compressed."""
+def start_constraints(constrained, source, u, w, pressure_filled, geometry, unilateral, dx, dz):
+    """Cells in which div u = s is imposed first: all wet ones, or those under pressure or being compressed."""
     nx, nz = constrained.shape
     for i in range(nx):
         for k in range(nz):
@@ -291,24 +339,24 @@ def start_constraints(constrained, u, w, pressure_filled, geometry, unilateral, 
             constrained[i, k] = wet and (
                 not unilateral
                 or pressure_filled[i, k] > 0.0
-                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= 0.0
+                or divergence(u, w, geometry.aperture, i, k, dx, dz) <= source[i, k]
             )
 
 
 @njit(cache=True)
-def update_multiplier(
-    pressure_filled, multiplier, constrained, u, w, geometry, balance, may_release, dx, dz
-):
-    """P -= r div u where constrained, then release and take up cells; return the largest |div u|."""
+def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_release, dx, dz):
+    """P -= r (div u - s) where constrained, then release and take up cells; return the largest |div u - s|."""
     largest = 0.0
+    multiplier, constrained = work.multiplier, work.constrained
+    source, penalty = work.response.source, work.response.penalty
     multiplier[:] = 0.0
     for i in range(constrained.shape[0]):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] <= WET:
                 continue
-            div = divergence(u, w, geometry.aperture, i, k, dx, dz)
+            div = divergence(u, w, geometry.aperture, i, k, dx, dz) - source[i, k]
             if constrained[i, k]:
-                p = pressure_filled[i, k] - balance.penalty * div
+                p = pressure_filled[i, k] - penalty[i, k] * div
                 multiplier[i, k] = p
                 if balance.unilateral and p < 0.0:
                     p = 0.0
@@ -428,7 +476,24 @@ def solve(
     u_star, w_star : arrays
         Velocity after advection.
     """
-    start_constraints(work.constrained, u, w, pressure_filled, geometry, balance.unilateral, dx, dz)
+    answered = work.response
+    answered.source[:] = 0.0
+    answered.penalty[:] = balance.penalty
+    if balance.response.dilatancy.factor > 0.0:  # the source says which cells are being compressed
+        strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+        relax_late(answered, 0)
+        answer(work, pressure_filled, geometry, material, balance, dx, dz)
+    start_constraints(
+        work.constrained,
+        answered.source,
+        u,
+        w,
+        pressure_filled,
+        geometry,
+        balance.unilateral,
+        dx,
+        dz,
+    )
     change = residual = div_max = math.inf
     sweeps = info = 0
     settled = False
@@ -439,6 +504,7 @@ def solve(
     for sweep in range(balance.max_sweeps):
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         softened = with_shear_rate_min(material, rate)
+        relax_late(answered, sweep)
         coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
         previous = friction
         friction = bed_force(work, u, geometry)
@@ -450,8 +516,7 @@ def solve(
         change, largest = take_solution(u, w, rhs, geometry)
         div_max = update_multiplier(
             pressure_filled,
-            work.multiplier,
-            work.constrained,
+            work,
             u,
             w,
             geometry,

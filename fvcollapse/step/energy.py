@@ -15,15 +15,17 @@ import numpy as np
 from numba import njit
 
 from .coupled import MASS_FLOOR
+from .dilatancy import dilation_power
 from .geometry import last_face
 
 
 class Work(NamedTuple):
     """Work done against each resistance, J/m.
 
-    bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included;
-    bed, back_wall: slip along them; lateral: the channel's side walls; gate: friction along it less
-    what its motion gives the grains, so it may be negative.
+    bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included,
+    less what the grains do against the pressure in dilating; bed, back_wall: slip along them;
+    lateral: the channel's side walls; gate: friction along it less what its motion gives the
+    grains, so it may be negative.
     """
 
     bulk: float
@@ -136,6 +138,8 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     volume = dx * dz
     bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
+    if balance.response.dilatancy.factor > 0.0:
+        bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
     lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:
         lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)

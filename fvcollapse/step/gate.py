@@ -20,6 +20,7 @@ from numba import njit
 from .coulomb_walls import friction_coefficient
 from .erodible_bed import layer_thickness
 from .geometry import WET, wetted_edge
+from .rheology import with_extra_friction
 
 
 class Lift(NamedTuple):
@@ -92,14 +93,24 @@ def fill_gate(gate_cover, level_set, aperture, column):
 def gate_reaction(pressure_filled, weight_centre, e_centre, geometry, column, k, gx, density, dx):
     """Normal reaction of the closed part of the gate on cell (column - 1, k), Pa averaged over the cell, >= 0."""
     i = column - 1
-    carried = density * gx * dx * geometry.lever_x[i, k]
+    carried = density * gx * dx * geometry.lever_x[i, k] * geometry.packing[i, k]
     stress = pressure_filled[i, k] - 2.0 * weight_centre[i, k] * e_centre[i, k] + carried
     return max((1.0 - geometry.aperture[column, k]) * stress, 0.0)
 
 
 @njit(cache=True)
 def gate_friction(
-    k_gate, gate_slip, w, pressure_filled, weight_centre, e_centre, geometry, material, balance, dx
+    k_gate,
+    gate_slip,
+    w,
+    pressure_filled,
+    weight_centre,
+    e_centre,
+    extra_friction,
+    geometry,
+    material,
+    balance,
+    dx,
 ):
     """Friction coefficients (nz + 1,) of the z-faces beside the gate, Pa s/m, and slip speeds along it, m/s."""
     i = balance.gate_column - 1
@@ -108,7 +119,7 @@ def gate_friction(
     for k in range(1, pressure_filled.shape[1]):
         if geometry.index_w[i, k] < 0:
             continue
-        reaction = coverage = 0.0
+        reaction = coverage = extra = shares = 0.0
         for cell in range(k - 1, k + 1):
             v = geometry.filled[i, cell]
             if v > WET:
@@ -127,11 +138,14 @@ def gate_friction(
                     dx,
                 )
                 coverage += share * geometry.gate_cover[cell]
+                extra += share * extra_friction[i, cell]
+                shares += share
+        extra = extra / shares if shares > 0.0 else 0.0
         k_gate[k], gate_slip[k] = friction_coefficient(
             abs(w[i, k] - balance.gate_speed),
             0.5 * dx,
             reaction,
             coverage,
             balance.mu_gate,
-            material,
+            with_extra_friction(material, extra),
         )

@@ -25,8 +25,10 @@ class Geometry(NamedTuple):
     of the bed, of the back wall and of the closed gate; index_u, index_w: number of the unknown on
     each face, -1 where there is none; first, last: the columns [first, last) that are solved; all
     of them, but for the halo of a periodic stretch; interior (nx+1, nz+1): nodes whose four faces
-    are all unknowns, the others lie on a wall, the gate or the surface; reach (nx + 1,): rows of the cells, faces and
-    nodes of column i that can touch grains, so that the loops of the solve need not visit the air.
+    are all unknowns, the others lie on a wall, the gate or the surface; reach (nx + 1,): rows of
+    the cells, faces and nodes of column i that can touch grains, so that the loops of the solve
+    need not visit the air; packing (nx, nz): local density over density_bulk, 1 in an
+    incompressible mass; face masses carry it.
     """
 
     filled: np.ndarray
@@ -42,6 +44,7 @@ class Geometry(NamedTuple):
     index_w: np.ndarray
     interior: np.ndarray
     reach: np.ndarray
+    packing: np.ndarray
     first: int
     last: int
 
@@ -62,6 +65,7 @@ def allocate_geometry(nx, nz, halo=0):
         np.full((nx, nz + 1), -1, np.int64),
         np.zeros((nx + 1, nz + 1), np.bool_),
         np.zeros(nx + 1, np.int64),
+        np.ones((nx, nz)),
         halo,
         nx - halo,
     )
@@ -146,17 +150,18 @@ def fill_cells(filled, lever_x, lever_z, level_set, aperture):
 
 
 @njit(cache=True)
-def fill_faces(mass_x, mass_z, filled, lever_x, lever_z):
+def fill_faces(mass_x, mass_z, filled, lever_x, lever_z, packing):
     """Face masses: what the two adjacent cells hand to each face by the lever rule."""
     nx, nz = filled.shape
     mass_x[:] = 0.0
     mass_z[:] = 0.0
     for i in range(nx):
         for k in range(nz):
-            mass_x[i, k] += filled[i, k] - lever_x[i, k]
-            mass_x[i + 1, k] += lever_x[i, k]
-            mass_z[i, k] += filled[i, k] - lever_z[i, k]
-            mass_z[i, k + 1] += lever_z[i, k]
+            density = packing[i, k]
+            mass_x[i, k] += density * (filled[i, k] - lever_x[i, k])
+            mass_x[i + 1, k] += density * lever_x[i, k]
+            mass_z[i, k] += density * (filled[i, k] - lever_z[i, k])
+            mass_z[i, k + 1] += density * lever_z[i, k]
 
 
 @njit(cache=True)

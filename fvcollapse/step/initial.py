@@ -60,7 +60,8 @@ def initial_volume(level_set, grid):
     takes it back as soon as it moves, and the correction of the volume would take it away again.
     """
     touch = ON_SURFACE * min(grid.dx, grid.dz)
-    return volume(np.where(np.abs(level_set) < touch, -touch, level_set)) * grid.dx * grid.dz
+    wetted = np.where(np.abs(level_set) < touch, -touch, level_set)
+    return volume(wetted, np.ones((grid.nx, grid.nz))) * grid.dx * grid.dz
 
 
 def initial_state(case, grid):

@@ -340,29 +340,39 @@ def _refresh_ghosts(extended):
 
 
 @njit(cache=True)
-def volume(level_set):
-    """Filled area in cells (multiply by dx dz for m2)."""
+def volume(level_set, packing):
+    """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz)."""
     total = 0.0
     for i in range(level_set.shape[0] - 1):
         for k in range(level_set.shape[1] - 1):
-            total += polygon_moments(
-                level_set[i, k], level_set[i + 1, k], level_set[i + 1, k + 1], level_set[i, k + 1]
-            )[0]
+            total += (
+                packing[i, k]
+                * polygon_moments(
+                    level_set[i, k],
+                    level_set[i + 1, k],
+                    level_set[i + 1, k + 1],
+                    level_set[i, k + 1],
+                )[0]
+            )
     return total
 
 
 @njit(cache=True)
-def correct_volume(phi, mobility, target, h):
+def correct_volume(phi, mobility, packing, target, h):
     """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
+
+    Both are weighted by the packing, and so are the mass of the grains where that differs from 1.
 
     Parameters
     ----------
     mobility : (nx + 1, nz + 1) array
         Local share of the correction, in [0, 1]: where nothing moves nothing is corrected.
+    packing : (nx, nz) array
+        Local density, relative to that of the target.
     h : float
         Cell size, m: the shift stays below a tenth of it.
     """
-    before = volume(phi)
+    before = volume(phi, packing)
     missing = target - before
     if abs(missing) <= 1e-12 * target:
         return 0.0
@@ -372,7 +382,7 @@ def correct_volume(phi, mobility, target, h):
     gap = missing
     for _ in range(12):
         phi[:] = original - q * mobility
-        gap = target - volume(phi)
+        gap = target - volume(phi, packing)
         if abs(gap) <= 1e-12 * target or gap == gap_old:
             break
         q_next = q - gap * (q - q_old) / (gap - gap_old)

@@ -99,23 +99,45 @@ def rows_in_reach(phi_old, phi_new):
 
 
 @njit(cache=True)
-def control_masses(mass_u, mass_w, phi, reach):
-    """Filled area of the control volume of every face, in cells."""
+def control_masses(mass_u, mass_w, phi, packing, reach):
+    """Filled area of the control volume of every face, in cells, weighted by the packing of each cell."""
     mass_u[:] = 0.0
     mass_w[:] = 0.0
     for i in range(phi.shape[0] - 1):
         for k in range(reach[i]):
             if _dry_cell(phi, i, k):
                 continue
-            mass_u[i, k] += _filled_half(phi, i, k, 0)
-            mass_u[i + 1, k] += _filled_half(phi, i, k, 1)
-            mass_w[i, k] += _filled_half(phi, i, k, 2)
-            mass_w[i, k + 1] += _filled_half(phi, i, k, 3)
+            density = packing[i, k]
+            mass_u[i, k] += density * _filled_half(phi, i, k, 0)
+            mass_u[i + 1, k] += density * _filled_half(phi, i, k, 1)
+            mass_w[i, k] += density * _filled_half(phi, i, k, 2)
+            mass_w[i, k + 1] += density * _filled_half(phi, i, k, 3)
+
+
+@njit(cache=True, inline="always")
+def _laden(flux, packing, i, k, di, dk):
+    """Flux of mass, from the flux of volume out of cell (i - di, k - dk) into (i, k)."""
+    if flux >= 0.0:
+        return flux * packing[max(i - di, 0), max(k - dk, 0)]
+    return flux * packing[min(i, packing.shape[0] - 1), min(k, packing.shape[1] - 1)]
 
 
 @njit(cache=True)
 def mass_fluxes(
-    along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, reach, dt, dx, dz
+    along_u,
+    across_u,
+    along_w,
+    across_w,
+    u,
+    w,
+    aperture,
+    phi_old,
+    phi_new,
+    packing,
+    reach,
+    dt,
+    dx,
+    dz,
 ):
     """Mass that crosses the sides of the control volumes during dt, in cells.
 
@@ -135,6 +157,8 @@ def mass_fluxes(
         Open part of each x-face.
     phi_old, phi_new : (nx + 1, nz + 1) arrays
         Level set at the nodes at both ends of the step, m.
+    packing : (nx, nz) array
+        Local density over that of a mass of 1, at the start of the step.
     reach : (nx + 1,) array
         From `rows_in_reach`.
     """
@@ -152,25 +176,35 @@ def mass_fluxes(
             level = _wetted_level(phi_old, i, k) + _wetted_level(phi_new, i, k)
             along_u[i, k] = (
                 x * upright * _mean(aperture[i, k] * u[i, k], aperture[i + 1, k] * u[i + 1, k])
-            )
-            along_w[i, k] = z * level * _mean(w[i, k], w[i, k + 1])
+            ) * packing[i, k]
+            along_w[i, k] = z * level * _mean(w[i, k], w[i, k + 1]) * packing[i, k]
     for i in range(nx + 1):
         for k in range(1, min(reach[i] + 1, nz)):
             if _dry_node(phi_old, i, k) and _dry_node(phi_new, i, k):
                 continue
             if 0 < i < nx and _deep_node(phi_old, i, k) and _deep_node(phi_new, i, k):
-                across_u[i, k] = z * (w[i - 1, k] + w[i, k])
-                across_w[i, k] = x * (aperture[i, k - 1] * u[i, k - 1] + aperture[i, k] * u[i, k])
+                low, high = aperture[i, k - 1] * u[i, k - 1], aperture[i, k] * u[i, k]
+                across_u[i, k] = z * (
+                    _laden(w[i - 1, k], packing, i - 1, k, 0, 1)
+                    + _laden(w[i, k], packing, i, k, 0, 1)
+                )
+                across_w[i, k] = x * (
+                    _laden(low, packing, i, k - 1, 1, 0) + _laden(high, packing, i, k, 1, 0)
+                )
                 continue
             for phi in (phi_old, phi_new):
                 if i > 0:
-                    across_u[i, k] += 0.5 * z * _wetted_half(phi, i, k, i - 1, k) * w[i - 1, k]
+                    flux = 0.5 * z * _wetted_half(phi, i, k, i - 1, k) * w[i - 1, k]
+                    across_u[i, k] += _laden(flux, packing, i - 1, k, 0, 1)
                 if i < nx:
-                    across_u[i, k] += 0.5 * z * _wetted_half(phi, i, k, i + 1, k) * w[i, k]
+                    flux = 0.5 * z * _wetted_half(phi, i, k, i + 1, k) * w[i, k]
+                    across_u[i, k] += _laden(flux, packing, i, k, 0, 1)
                 if i > 0:
                     low, high = aperture[i, k - 1] * u[i, k - 1], aperture[i, k] * u[i, k]
-                    across_w[i, k] += 0.5 * x * _wetted_half(phi, i, k, i, k - 1) * low
-                    across_w[i, k] += 0.5 * x * _wetted_half(phi, i, k, i, k + 1) * high
+                    flux = 0.5 * x * _wetted_half(phi, i, k, i, k - 1) * low
+                    across_w[i, k] += _laden(flux, packing, i, k - 1, 1, 0)
+                    flux = 0.5 * x * _wetted_half(phi, i, k, i, k + 1) * high
+                    across_w[i, k] += _laden(flux, packing, i, k, 1, 0)
 
 
 @njit(cache=True)
@@ -269,7 +303,7 @@ def transport(moved, start, padded, mass, along, across, end, reach, di, dk, sha
 
 @njit(cache=True)
 def advect_momentum(
-    u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, dt, dx, dz, shape_factor
+    u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, packing, dt, dx, dz, shape_factor
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 
@@ -285,23 +319,38 @@ def advect_momentum(
         Open part of each x-face.
     phi_old, phi_new : (nx + 1, nz + 1) arrays
         Level set at the nodes at both ends of the step, m.
+    packing : (nx, nz) array
+        Local density over density_bulk, at the start of the step; 1 in an incompressible mass.
     shape_factor : float
         beta of `transverse_profile`: the advection is beta (u . grad) u; 1 without that effect.
     """
     nx, nz = u.shape[0] - 1, u.shape[1]
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
     reach = rows_in_reach(phi_old, phi_new)
-    control_masses(mass_u, mass_w, phi_old, reach)
+    control_masses(mass_u, mass_w, phi_old, packing, reach)
     along_u, along_w = np.empty((nx, nz)), np.empty((nx, nz))
     across_u, across_w = np.empty((nx + 1, nz + 1)), np.empty((nx + 1, nz + 1))
     mass_fluxes(
-        along_u, across_u, along_w, across_w, u, w, aperture, phi_old, phi_new, reach, dt, dx, dz
+        along_u,
+        across_u,
+        along_w,
+        across_w,
+        u,
+        w,
+        aperture,
+        phi_old,
+        phi_new,
+        packing,
+        reach,
+        dt,
+        dx,
+        dz,
     )
     end_u = np.zeros(nz)
     for k in range(nz):
         wetted = wetted_edge(phi_old[nx, k], phi_old[nx, k + 1])
         wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
-        end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx
+        end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx * packing[nx - 1, k]
     second = np.empty_like(u)
     transport(
         u_star,

@@ -96,7 +96,8 @@ def assemble_momentum(work, band, rhs, u_star, w_star, geometry, balance, dx, dz
     """Sparse rho M/dt + Visc + friction; its right-hand side without the pressure goes to `rhs`."""
     band[:] = 0.0
     add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
-    add_cells(band, work.weight_centre, work.constrained, 0.0, geometry, dx, dz)
+    none = np.zeros_like(work.weight_centre)
+    add_cells(band, work.weight_centre, work.constrained, none, geometry, dx, dz)
     add_nodes(band, work.weight_node, geometry, dx, dz)
     return symmetric_from_band(band[: rhs.size - LANES])
 

@@ -6,8 +6,9 @@ import numpy as np
 from numba import njit
 
 from .geometry import WET
+from .grain_response import allocate_response, prepare_response, respond
 from .ill_posedness import is_ill_posed
-from .rheology import effective_viscosity, inertial_number
+from .rheology import effective_viscosity, inertial_number, with_extra_friction
 from .strain import shear_rate_centre, strain_rates
 
 
@@ -37,6 +38,7 @@ def fill_quantities(
     g_node,
     pressure_filled,
     filled,
+    extra_friction,
     material,
 ):
     """Cell-centre fields in the wet cells; zero (and not ill-posed) elsewhere."""
@@ -51,16 +53,26 @@ def fill_quantities(
             p = pressure_filled[i, k] / filled[i, k]
             pressure[i, k] = p
             shear_rate[i, k] = rate
-            viscosity[i, k] = effective_viscosity(rate, p, material)
+            grains = with_extra_friction(material, extra_friction[i, k])
+            viscosity[i, k] = effective_viscosity(rate, p, grains)
             if p > 0.0:
                 inertial[i, k] = inertial_number(rate, p, material.grain_scale)
                 if rate > 0.0:
-                    exponent, slope = local_slopes(rate, p, material)
+                    exponent, slope = local_slopes(rate, p, grains)
                     ill_posed[i, k] = is_ill_posed(exponent, slope)
 
 
-def cell_quantities(state, geometry, material, dx, dz):
+def cell_quantities(state, geometry, material, response, dx, dz):
     """Fields at the cell centres, zero outside the grains.
+
+    Parameters
+    ----------
+    state : State
+    geometry : Geometry
+    material : Material
+    response : Response
+    dx, dz : float
+        m.
 
     Returns
     -------
@@ -73,6 +85,24 @@ def cell_quantities(state, geometry, material, dx, dz):
     strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
     pressure, shear_rate, viscosity, inertial = (np.zeros(shape) for _ in range(4))
     ill_posed = np.zeros(shape, np.bool_)
+    extra_friction = np.zeros(shape)
+    if response.active:
+        work = allocate_response(*shape)
+        prepare_response(work, state, response)
+        respond(
+            work,
+            e_centre,
+            g_node,
+            state.pressure_filled,
+            geometry,
+            material,
+            response,
+            1.0,
+            state.dt or 1.0,  # at rest nothing dilates
+            dx,
+            dz,
+        )
+        extra_friction = work.extra_friction
     fill_quantities(
         pressure,
         shear_rate,
@@ -83,6 +113,7 @@ def cell_quantities(state, geometry, material, dx, dz):
         g_node,
         state.pressure_filled,
         geometry.filled,
+        extra_friction,
         material,
     )
     return {
@@ -102,7 +133,9 @@ def energies(state, geometry, density, gravity, dx, dz):
     """
     cell = density * dx * dz
     squares = weighted_square(geometry.mass_x, state.u) + weighted_square(geometry.mass_z, state.w)
-    x_moment, z_moment = first_moments(geometry.filled, geometry.lever_x, geometry.lever_z)
+    x_moment, z_moment = first_moments(
+        geometry.filled, geometry.lever_x, geometry.lever_z, geometry.packing
+    )
     return {
         "kinetic": 0.5 * cell * squares,
         "potential": -cell * (gravity[0] * dx * x_moment + gravity[1] * dz * z_moment),
@@ -120,12 +153,12 @@ def weighted_square(weight, values):
 
 
 @njit(cache=True)
-def first_moments(filled, lever_x, lever_z):
-    """Moments of the filled area about the origin, in cells^2 dx and cells^2 dz."""
+def first_moments(filled, lever_x, lever_z, packing):
+    """Moments of the filled area, weighted by the packing, about the origin, in cells^2 dx and cells^2 dz."""
     x_moment = z_moment = 0.0
     for i in range(filled.shape[0]):
         for k in range(filled.shape[1]):
             if filled[i, k] > 0.0:
-                x_moment += i * filled[i, k] + lever_x[i, k]
-                z_moment += k * filled[i, k] + lever_z[i, k]
+                x_moment += packing[i, k] * (i * filled[i, k] + lever_x[i, k])
+                z_moment += packing[i, k] * (k * filled[i, k] + lever_z[i, k])
     return x_moment, z_moment

@@ -114,6 +114,25 @@ def with_shear_rate_min(material, shear_rate_min):
 
 
 @njit(cache=True)
+def with_extra_friction(material, extra_friction):
+    """The same mu_I or drucker_prager material with `extra_friction` added to its friction coefficient."""
+    return Material(
+        material.law,
+        material.mu_1 + extra_friction,
+        material.mu_2 + extra_friction,
+        material.I_0,
+        material.viscosity,
+        material.cohesion,
+        material.grain_scale,
+        material.shear_rate_min,
+        material.I_1,
+        material.A_minus,
+        material.alpha,
+        material.mu_infinity,
+    )
+
+
+@njit(cache=True)
 def inertial_number(shear_rate, pressure, grain_scale):
     """Inertial number I = shear_rate d sqrt(rho_grain) / sqrt(p), equation 3; inf without pressure."""
     if pressure <= 0.0:

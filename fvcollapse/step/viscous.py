@@ -109,17 +109,18 @@ def add_pair(flat, width, a, b, value):
 def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
     """Add the blocks of the cells: viscous, and penalty * div^T div where `constrained` (augmented Lagrangian).
 
-    With a = (-open_left/dx, open_right/dx) and b = (-1/dz, 1/dz), div = (a, b) and the normal strain
-    2 e = (a, -b): two rank-one blocks that differ in the sign of the mixed terms.
+    `penalty` (nx, nz) is in Pa s. With a = (-open_left/dx, open_right/dx) and b = (-1/dz, 1/dz),
+    div = (a, b) and the normal strain 2 e = (a, -b): two rank-one blocks that differ in the sign of
+    the mixed terms.
     """
     per_z = 1.0 / dz
     flat, width = band.reshape(-1), band.shape[1]
     for i in range(geometry.first, geometry.last):
-        weight, imposed = weight_centre[i], constrained[i]
+        weight, imposed, hardness = weight_centre[i], constrained[i], penalty[i]
         left, right, across = geometry.index_u[i], geometry.index_u[i + 1], geometry.index_w[i]
         open_left, open_right = geometry.aperture[i], geometry.aperture[i + 1]
         for k in range(geometry.reach[i]):
-            push = penalty if imposed[k] else 0.0
+            push = hardness[k] if imposed[k] else 0.0
             same, mixed = push + weight[k], push - weight[k]
             if same == 0.0:
                 continue

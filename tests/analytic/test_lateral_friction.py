@@ -126,7 +126,12 @@ def uniform_flow(direction, nx=8, nz=6):
         geometry.aperture,
     )
     fill_faces(
-        geometry.mass_x, geometry.mass_z, geometry.filled, geometry.lever_x, geometry.lever_z
+        geometry.mass_x,
+        geometry.mass_z,
+        geometry.filled,
+        geometry.lever_x,
+        geometry.lever_z,
+        geometry.packing,
     )
     fill_reach(geometry.reach, geometry.filled)
     number_unknowns(geometry, open_end=False)

@@ -18,7 +18,8 @@ def advected(u, w, phi_old, phi_new, dt):
     h = 1.0 / w.shape[0]
     u_star, w_star = np.empty_like(u), np.empty_like(w)
     slip, aperture = np.zeros(u.shape[0]), np.ones_like(u)
-    advect_momentum(u_star, w_star, u, w, slip, aperture, phi_old, phi_new, dt, h, h, 1.0)
+    packing = np.ones((len(w), len(w)))
+    advect_momentum(u_star, w_star, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0)
     return u_star, w_star
 
 
@@ -46,7 +47,7 @@ def test_momentum_is_conserved_inside_a_full_box():
     u, w = solenoidal(cells)
     u_star, w_star = advected(u, w, phi, phi, 0.3 / cells)
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
-    control_masses(mass_u, mass_w, phi, rows_in_reach(phi, phi))
+    control_masses(mass_u, mass_w, phi, np.ones_like(phi), rows_in_reach(phi, phi))
     inner = (slice(1, -1), slice(None))
     gained = (mass_u * (u_star - u))[inner].sum()
     through_walls = (mass_u * u_star)[0].sum() + (mass_u * u_star)[-1].sum()
@@ -99,8 +100,8 @@ def moving_disc_gain(cells):
         level_set.advect(phi, u_node, w_node, dt, 1.0 / cells, 1.0 / cells)
         u_star, _ = advected(u, w, old, phi, dt)
         before, after, unused = np.empty_like(u), np.empty_like(u), np.empty_like(w)
-        control_masses(before, unused, old, rows_in_reach(old, old))
-        control_masses(after, unused, phi, rows_in_reach(phi, phi))
+        control_masses(before, unused, old, np.ones_like(old), rows_in_reach(old, old))
+        control_masses(after, unused, phi, np.ones_like(phi), rows_in_reach(phi, phi))
         gained += (after * u_star - before * u).sum()
         momentum = max(momentum, np.abs(before * u).sum())
     return abs(gained) / momentum

@@ -1,0 +1,256 @@
+"""What effects make the grains do beyond the local law at fixed density: the one hook of the solve.
+
+Dilatancy, friction hysteresis and nonlocal fluidity change the coefficients of a nonlinear sweep:
+
+* the friction coefficient of every cell, by `extra_friction` (all three);
+* the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy).
+
+They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
+tan(psi); nonlocal fluidity, which makes the law with these two nonlocal. `Response.active` is false
+without them, and then nothing here is called.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .cell_transport import transport_cells
+from .dilatancy import (
+    FULL_SWEEPS,
+    Dilatancy,
+    carry_fraction,
+    dilatancy_law,
+    dilate,
+    initial_fraction,
+    start_dilatancy,
+)
+from .friction_hysteresis import FrictionHysteresis, hysteresis_law, settle, start_hysteresis
+from .geometry import WET
+from .nonlocal_fluidity import cooperate, nonlocal_length, start_fluidity
+from .rheology import ETA_FLOOR
+from .strain import mean_square, shear_rate_centre, shear_rate_from, strain_rates
+
+
+class Response(NamedTuple):
+    """Laws of the effects; `active` says whether any of them has a strength, `length` is A d in m."""
+
+    active: bool
+    dilatancy: Dilatancy
+    hysteresis: FrictionHysteresis
+    length: float
+
+
+class ResponseWork(NamedTuple):
+    """Scratch arrays (nx, nz) of the effects; all zero while they are off.
+
+    solid_fraction and settled_friction are set before the solve; share (1,) is how far a sweep
+    moves source and friction towards their new values. `local_friction` is `extra_friction` before
+    the nonlocal law.
+    """
+
+    source: np.ndarray
+    penalty: np.ndarray
+    extra_friction: np.ndarray
+    local_friction: np.ndarray
+    settled_friction: np.ndarray
+    solid_fraction: np.ndarray
+    fluidity: np.ndarray
+    share: np.ndarray
+
+
+def response_of(case):
+    """`Response` of a case."""
+    dilatancy, hysteresis, length = dilatancy_law(case), hysteresis_law(case), nonlocal_length(case)
+    active = dilatancy.factor > 0.0 or hysteresis.delta_mu > 0.0 or length > 0.0
+    return Response(active, dilatancy, hysteresis, length)
+
+
+def allocate_response(nx, nz):
+    """Scratch arrays for an nx by nz grid."""
+    return ResponseWork(*(np.zeros((nx, nz)) for _ in range(7)), np.ones(1))
+
+
+# -- once a step ---------------------------------------------------------------------------------
+
+
+def start_response(state, case):
+    """Give the state the fields of the effects that are on, unless it has them."""
+    start_dilatancy(state, case)
+    start_hysteresis(state, case)
+    start_fluidity(state, case)
+
+
+def extend_response(state, case, nx, nz):
+    """Cells beyond the first nx columns and nz rows hold what the grains held at the start."""
+    for values, value in (
+        (state.solid_fraction, initial_fraction(case)),
+        (state.settled_share, 1.0),
+    ):
+        if values is not None:
+            values[nx:] = value
+            values[:, nz:] = value
+
+
+def carry_response(state, aperture, phi_old, dt, dx, dz):
+    """Move the fields that belong to the grains with them, in place; the surface has moved already."""
+    flow = state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
+    if state.solid_fraction is not None:
+        carry_fraction(state, aperture, phi_old, dt, dx, dz)
+    if state.settled_share is not None:
+        state.settled_share[:] = np.clip(transport_cells(state.settled_share, *flow), 0.0, 1.0)
+
+
+def prepare_response(work, state, response):
+    """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
+    work.local_friction[:] = 0.0
+    if state.solid_fraction is not None:
+        work.solid_fraction[:] = state.solid_fraction
+    if state.settled_share is not None:
+        work.settled_friction[:] = response.hysteresis.delta_mu * state.settled_share
+
+
+def finish_response(work, state, e_centre, g_node, geometry, material, response, dt, dx, dz):
+    """Take the fields of the state from the solve; the contacts settle or break."""
+    if state.dilation_rate is not None:
+        state.dilation_rate[:] = work.source
+    if state.fluidity is not None:
+        state.fluidity[:] = work.fluidity
+    if state.settled_share is not None:
+        strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
+        settle(
+            state.settled_share,
+            e_centre,
+            g_node,
+            state.pressure_filled,
+            geometry,
+            response.hysteresis,
+            material.grain_scale,
+            dt,
+        )
+
+
+# -- once a sweep --------------------------------------------------------------------------------
+
+
+@njit(cache=True)
+def relax_late(work, sweep):
+    """All the way in the first sweeps, half of it in the later ones."""
+    work.share[0] = 1.0 if sweep < FULL_SWEEPS else 0.5
+
+
+@njit(cache=True)
+def respond(
+    work, e_centre, g_node, pressure_filled, geometry, material, response, hardest, dt, dx, dz
+):
+    """Extra friction, source and penalty of the present strain rates and pressure, into `work`.
+
+    Parameters
+    ----------
+    work : ResponseWork
+    e_centre, g_node : arrays
+        From `strain_rates`, 1/s.
+    pressure_filled : (nx, nz) array
+        Pa.
+    geometry : Geometry
+    material : Material
+    response : Response
+    hardest : float
+        Penalty of an incompressible cell, Pa s.
+    dt, dx, dz : float
+        s, m.
+    """
+    if response.dilatancy.factor > 0.0:
+        dilate(
+            work.source,
+            work.penalty,
+            work.local_friction,
+            work.settled_friction,
+            work.solid_fraction,
+            e_centre,
+            g_node,
+            pressure_filled,
+            geometry,
+            material,
+            response.dilatancy,
+            hardest,
+            dt,
+            work.share[0],
+        )
+    else:
+        work.local_friction[:] = work.settled_friction
+    work.extra_friction[:] = work.local_friction
+    if response.length > 0.0:
+        cooperate(
+            work.extra_friction,
+            work.fluidity,
+            e_centre,
+            g_node,
+            pressure_filled,
+            geometry,
+            material,
+            response.length,
+            dx,
+            dz,
+        )
+
+
+@njit(cache=True)
+def add_extra_friction(
+    weight_centre,
+    weight_node,
+    extra_friction,
+    e_centre,
+    g_node,
+    pressure_filled,
+    geometry,
+    material,
+):
+    """Add the extra friction to the viscosity of cells and nodes; at nodes the mean of the cells.
+
+    Parameters
+    ----------
+    weight_centre, weight_node : (nx, nz), (nx + 1, nz + 1) arrays
+        Filled fraction times viscosity, from `viscosity_weights`; changed in place, Pa s.
+    extra_friction : (nx, nz) array
+    """
+    filled = geometry.filled
+    for i in range(filled.shape[0]):
+        for k in range(geometry.reach[i]):
+            v = filled[i, k]
+            if v > WET:
+                rate = shear_rate_centre(e_centre, g_node, i, k)
+                extra = max(pressure_filled[i, k], 0.0) * extra_friction[i, k]
+                extra /= (rate**2 + material.shear_rate_min**2) ** 0.5
+                weight_centre[i, k] = max(weight_centre[i, k] + extra, v * ETA_FLOOR)
+    for i in range(1, filled.shape[0]):
+        for k in range(1, geometry.reach[i]):
+            if geometry.interior[i, k]:
+                v = p = extra = 0.0
+                for a in range(i - 1, i + 1):
+                    for b in range(k - 1, k + 1):
+                        v += 0.25 * filled[a, b]
+                        p += 0.25 * pressure_filled[a, b]
+                        extra += 0.25 * filled[a, b] * extra_friction[a, b]
+                e2 = mean_square(
+                    e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
+                )
+                rate = shear_rate_from(4.0 * e2, g_node[i, k] ** 2)
+                extra *= max(p, 0.0) / v / (rate**2 + material.shear_rate_min**2) ** 0.5
+                weight_node[i, k] = max(weight_node[i, k] + extra, v * ETA_FLOOR)
+
+
+@njit(cache=True)
+def add_source(rhs, work, constrained, geometry, dx, dz):
+    """Change the constraint of the assembled system from penalty div u = 0 to penalty (div u - s) = 0."""
+    iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
+    for i in range(geometry.first, geometry.last):
+        for k in range(geometry.reach[i]):
+            if not constrained[i, k]:
+                continue
+            left, right = aperture[i, k] / dx, aperture[i + 1, k] / dx
+            a, b, c, d = iu[i, k], iu[i + 1, k], iw[i, k], iw[i, k + 1]
+            push = work.penalty[i, k] * work.source[i, k]
+            for n, weight in ((a, -left), (b, right), (c, -1.0 / dz), (d, 1.0 / dz)):
+                if n >= 0:
+                    rhs[n] += push * weight

@@ -1,0 +1,261 @@
+"""Dilatancy: off it is nothing, on it conserves mass, relaxes in strain, and steadies to the local law."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fvcollapse.case import Case
+from fvcollapse.simulation import Simulation
+from fvcollapse.state import FIELDS
+from fvcollapse.step import level_set
+from fvcollapse.step.dilatancy import Dilatancy, carry_fraction, expansion, limit_dilatancy
+from fvcollapse.step.geometry import cell_fractions
+from fvcollapse.verification import exact
+from fvcollapse.verification.exact.layer import inertial_number_at
+from fvcollapse.verification.flows import layer, layer_case, run_until
+
+K, NU_C, SLOPE = 4.0, 0.60, 0.15
+LAW = Dilatancy(factor=K, fraction_critical=NU_C, slope=SLOPE, fraction_bulk=0.62)
+GRAIN_SCALE = 0.035
+COARSE = {"grid.cell_size": 0.02, "effects.lateral_friction": {}}
+
+
+def start(**effect):
+    return Simulation(
+        Case().replace(**COARSE, **{"effects.dilatancy": {"dilatancy_factor": K} | effect})
+    )
+
+
+def advance_to(simulation, time):
+    while simulation.state.time < time - 1e-12:
+        simulation.advance(time)
+    return simulation
+
+
+def volume_change(simulation):
+    return (
+        simulation.geometry.filled.sum() * math.prod(simulation.spacing) / simulation.state.volume_0
+        - 1.0
+    )
+
+
+def mass(simulation):
+    """Volume that the grains would fill at the density of the start, over that of the start."""
+    cells = (simulation.geometry.filled * simulation.geometry.packing).sum() / simulation.packing_0
+    return cells * math.prod(simulation.spacing) / simulation.state.volume_0
+
+
+def largest_difference(first, second):
+    """Of two runs in any field, relative to the largest value of that field."""
+    pairs = [(getattr(first.state, name), getattr(second.state, name)) for name in FIELDS]
+    return max(np.abs(a - b).max() / max(np.abs(a).max(), 1e-300) for a, b in pairs)
+
+
+# -- the limit of no dilatancy -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def incompressible():
+    return advance_to(Simulation(Case().replace(**COARSE)), 0.08)
+
+
+def test_an_incompressible_mass_carries_no_solid_fraction(incompressible):
+    assert incompressible.state.effect_fields() == []
+
+
+def test_zero_strength_is_the_incompressible_mass_to_the_last_bit(incompressible):
+    assert largest_difference(incompressible, advance_to(start(dilatancy_factor=0.0), 0.08)) == 0.0
+
+
+def test_weak_dilatancy_changes_little(incompressible):
+    changes = [
+        largest_difference(incompressible, advance_to(start(dilatancy_factor=k), 0.08))
+        for k in (1e-5, 1e-4)
+    ]
+    assert 0.0 < changes[0] < changes[1] < 5e-3  # to the tolerance of the sweeps, 1e-3 a step
+
+
+# -- nu alone ------------------------------------------------------------------------------------
+
+
+def relaxed(nu_0, nu_eq, strain):
+    """Solution of d nu/d strain = -K nu (nu - nu_eq)."""
+    return nu_eq / (1.0 - (1.0 - nu_eq / nu_0) * math.exp(-K * nu_eq * strain))
+
+
+@pytest.mark.parametrize("steps", [1, 7, 100])
+@pytest.mark.parametrize("nu_0", [0.52, 0.64])
+def test_nu_relaxes_in_strain_exactly_for_any_time_step(steps, nu_0):
+    rate, pressure, strain = 20.0, 500.0, 0.7
+    nu_eq = NU_C - SLOPE * rate * GRAIN_SCALE / math.sqrt(pressure)
+    nu, dt = nu_0, strain / rate / steps
+    for _ in range(steps):
+        nu *= 1.0 - dt * expansion(rate, pressure, nu, dt, LAW, GRAIN_SCALE)
+    assert nu == pytest.approx(relaxed(nu_0, nu_eq, strain), rel=1e-13)
+
+
+def test_equilibrium_is_reached_and_not_passed_in_one_long_step():
+    dt = 10.0
+    s = expansion(100.0, 500.0, 0.64, dt, LAW, GRAIN_SCALE)
+    assert 0.64 * (1.0 - s * dt) == pytest.approx(
+        NU_C - SLOPE * 100.0 * GRAIN_SCALE / math.sqrt(500.0), rel=1e-12
+    )
+
+
+def test_without_pressure_nu_falls_to_its_value_at_inertial_number_one():
+    s = expansion(5.0, 0.0, 0.6, 1e3, LAW, GRAIN_SCALE)
+    assert 0.6 * (1.0 - 1e3 * s) == pytest.approx(NU_C - SLOPE)
+    assert expansion(0.0, 0.0, 0.6, 1e-3, LAW, GRAIN_SCALE) == 0.0
+
+
+def test_limit_of_the_time_step_is_a_tenth_of_the_volume():
+    assert limit_dilatancy(np.array([[0.5, -20.0]])) == pytest.approx(0.005)
+    assert limit_dilatancy(np.zeros((2, 2))) == math.inf
+
+
+@pytest.mark.parametrize("rate", [0.5, -0.5])
+def test_a_disc_that_expands_everywhere_alike_keeps_its_mass(rate):
+    """U = rate x/2, w = rate z/2 about the centre: the area grows as exp(rate t), nu falls with it."""
+    cells, steps, dt = 40, 40, 0.01
+    nodes = np.arange(cells + 1) / cells - 0.5
+    u = np.repeat(0.5 * rate * nodes[:, None], cells, axis=1)
+    w = np.repeat(0.5 * rate * nodes[None, :], cells, axis=0)
+    x, z = np.meshgrid(nodes, nodes, indexing="ij")
+    state = SimpleNamespace(
+        u=u,
+        w=w,
+        level_set=np.hypot(x, z) - 0.25,
+        solid_fraction=np.full((cells, cells), 0.6),
+        dilation_rate=np.full((cells, cells), rate),
+    )
+    area = cell_fractions(state.level_set).sum()
+    for _ in range(steps):
+        old = state.level_set.copy()
+        level_set.advect(
+            state.level_set, 0.5 * rate * x, 0.5 * rate * z, dt, 1.0 / cells, 1.0 / cells
+        )
+        carry_fraction(state, np.ones_like(u), old, dt, 1.0 / cells, 1.0 / cells)
+    filled = cell_fractions(state.level_set)
+    growth = math.exp(rate * steps * dt)
+    assert filled.sum() / area == pytest.approx(growth, rel=1e-3)
+    assert state.solid_fraction[filled > 0.5] == pytest.approx(0.6 / growth, rel=1e-3)
+    mass_after = (filled * state.solid_fraction).sum()
+    assert mass_after == pytest.approx(0.6 * area, rel=1e-3)  # of the time step, first order
+
+
+# -- uniform flow --------------------------------------------------------------------------------
+
+
+def sheared_layer(dt, initial, **effect):
+    """A layer on a rough bed at 24 deg, the density of which is that of nu = 0.62 or of `effect`."""
+    case = layer_case(
+        0.0025,
+        0.02,
+        geometry__slope_angle_deg=24.0,
+        rheology__mu_1=0.38,
+        rheology__mu_2=0.64,
+        boundary__mu_bed=math.inf,
+        effects__dilatancy={"dilatancy_factor": K} | effect,
+        numerics__tolerance=1e-7,
+        numerics__max_sweeps=100,
+    )
+    return layer(case, lambda z: exact.bagnold(initial or case, z), dt)
+
+
+def at_solid_fraction(case, nu, depth):
+    """The same layer, incompressible, with the density of nu."""
+    density = nu * case.rheology.density_grain
+    return case.replace(
+        **{
+            "effects.dilatancy": None,
+            "rheology.density_bulk": density,
+            "geometry.height_0": depth,
+        }
+    )
+
+
+def test_a_layer_relaxes_in_its_own_strain():
+    """nu_eq independent of I: each part of the layer follows the solution in strain, here the lowest cell."""
+    flow = sheared_layer(1e-3, None, solid_fraction_critical=0.58, solid_fraction_slope=0.0)
+    strain = 0.0
+    for _ in range(30):
+        flow.advance(1.0)
+        nu = flow.state.solid_fraction[10, 0]
+        assert nu == pytest.approx(relaxed(0.62, 0.58, strain), abs=5e-5)
+        strain += 1e-3 * flow.cell_quantities()["shear_rate"][10, 0]
+    assert strain > 0.5
+
+
+def test_bagnold_flow_steadies_at_the_solid_fraction_of_its_inertial_number():
+    """From nu = 0.62 to nu_eq(I): the layer swells, then flows as an incompressible one of that density."""
+    dense = sheared_layer(5e-3, None)
+    inertial = inertial_number_at(exact.slope_ratio(dense.case), dense.case.rheology)
+    nu = NU_C - SLOPE * inertial
+    swollen = at_solid_fraction(dense.case, nu, 0.02 * 0.62 / nu)
+    flow = run_until(sheared_layer(5e-3, swollen), 2.0)
+    inner = slice(0, 7)  # the uppermost cells hold grains that have hardly been sheared
+    assert flow.state.solid_fraction[10, inner] == pytest.approx(nu, abs=1e-3)
+    assert volume_change(flow) == pytest.approx(0.62 / nu - 1.0, rel=0.1)
+    z, u = flow.profile()
+    assert u[inner] == pytest.approx(exact.bagnold(swollen, z)[inner], rel=0.02)
+
+
+# -- collapses -----------------------------------------------------------------------------------
+
+
+def test_a_collapse_conserves_mass_and_its_volume_follows_the_source():
+    simulation = start()
+    cell = math.prod(simulation.spacing)
+    expected = 0.0
+    while simulation.state.time < 0.4 - 1e-12:
+        source, filled = simulation.state.dilation_rate, simulation.geometry.filled.copy()
+        record = simulation.advance(0.4)
+        expected += record.dt * (source * filled).sum() * cell / simulation.state.volume_0
+        if simulation.state.time > 0.07:  # then the gate, which the filling sees, is gone
+            assert mass(simulation) == pytest.approx(1.0, abs=1e-3)
+    assert volume_change(simulation) > 0.01
+    assert volume_change(simulation) == pytest.approx(expected, abs=2e-3)
+
+
+def test_dense_grains_expand_loose_ones_contract():
+    changes = [
+        volume_change(advance_to(start(solid_fraction_0=nu), 0.3)) for nu in (0.56, 0.60, 0.64)
+    ]
+    assert changes[0] < -0.005
+    assert changes[2] > 0.02
+    assert changes == sorted(changes)
+
+
+def test_from_the_critical_state_the_volume_comes_back():
+    simulation = Simulation(
+        Case().replace(
+            **COARSE,
+            **{
+                "geometry.slope_angle_deg": 16.0,
+                "effects.dilatancy": {"dilatancy_factor": K, "solid_fraction_0": NU_C},
+            },
+        )
+    )
+    swollen = 0.0
+    while simulation.state.time < 1.4:
+        simulation.advance(1.4)
+        swollen = max(swollen, volume_change(simulation) if simulation.state.time > 0.02 else 0.0)
+    assert simulation.max_speed() < 0.01
+    assert swollen > 0.002
+    assert abs(volume_change(simulation)) < min(0.01, swollen)
+
+
+def test_at_rest_nothing_dilates():
+    case = Case().replace(
+        **COARSE,
+        **{
+            "geometry.slope_angle_deg": 0.0,
+            "gate.speed": 0.0,
+            "effects.dilatancy": {"dilatancy_factor": K},
+        },
+    )
+    simulation = advance_to(Simulation(case), 0.1)
+    assert simulation.max_speed() < 1e-8
+    assert simulation.state.solid_fraction[simulation.geometry.filled > 0] == pytest.approx(0.62)
