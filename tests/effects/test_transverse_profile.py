@@ -47,7 +47,8 @@ def advected(u, w, dt, beta):
     nx, nz = w.shape[0], u.shape[1]
     u_star, w_star, phi = np.empty_like(u), np.empty_like(w), np.full((nx + 1, nz + 1), -9.0)
     slip, aperture = np.zeros(nx + 1), np.ones_like(u)
-    advect_momentum(u_star, w_star, u, w, slip, aperture, phi, phi, dt, 1.0, 1.0, beta)
+    packing = np.ones((w.shape[0], u.shape[1]))
+    advect_momentum(u_star, w_star, u, w, slip, aperture, phi, phi, packing, dt, 1.0, 1.0, beta)
     return u_star, w_star
 
 
