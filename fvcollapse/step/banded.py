@@ -29,13 +29,20 @@ def allocate_system(ends, buffer=None):
     rhs : (n + LANES,) array
         Both zero; what is behind the n unknowns stays so.
     """
-    width = int(np.max(ends - np.arange(ends.size), initial=0)) + 1 + PADDING
-    rows = ends.size + LANES
+    half_bandwidth = int(np.max(ends - np.arange(ends.size), initial=0))
+    rows, width = ends.size + LANES, half_bandwidth + 1 + PADDING
     if buffer is None or buffer.size < rows * width:
-        return np.zeros((rows, width)), np.zeros(rows)
+        return new_system(ends.size, half_bandwidth)
     flat = buffer[: rows * width]
     flat[:] = 0.0
     return flat.reshape(rows, width), np.zeros(rows)
+
+
+@njit(cache=True)
+def new_system(n, half_bandwidth):
+    """Band and right-hand side of n unknowns in new memory, for kernels; see `allocate_system`."""
+    rows = n + LANES
+    return np.zeros((rows, half_bandwidth + 1 + PADDING)), np.zeros(rows)
 
 
 @njit(cache=True)
@@ -113,6 +120,8 @@ def factorise(band, ends):
         Last row of the envelope of each column; must not decrease.
     """
     n, width = ends.size, band.shape[1]
+    if band.shape[0] < n + LANES:
+        raise IndexError  # the lanes would write beyond the end
     flat = band.reshape(-1)
     whole = n - n % PIVOTS
     for j in range(0, whole, PIVOTS):
@@ -131,6 +140,8 @@ def factorise(band, ends):
 def solve_factorised(rhs, band, ends):
     """Overwrite the first n of `rhs` (n + LANES,) with the solution, from the band left by `factorise`."""
     n, width = ends.size, band.shape[1]
+    if band.shape[0] < n + LANES or rhs.size < n + LANES:
+        raise IndexError
     flat = band.reshape(-1)
     whole = n - n % PIVOTS
     for j in range(0, whole, PIVOTS):

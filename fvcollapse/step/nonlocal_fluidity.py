@@ -30,7 +30,7 @@ import math
 import numpy as np
 from numba import njit
 
-from .banded import PADDING, factorise, solve_factorised
+from .banded import factorise, new_system, solve_factorised
 from .geometry import WET
 from .rheology import effective_viscosity, with_extra_friction
 from .strain import shear_rate_centre
@@ -121,8 +121,7 @@ def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
         if m > 0:
             ends[m] = max(ends[m], ends[m - 1])
         width = max(width, ends[m] - m)
-    band = np.zeros((n, width + 1 + PADDING))
-    rhs = np.zeros(n)
+    band, rhs = new_system(n, width)
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             a, v = index[i, k], geometry.filled[i, k]

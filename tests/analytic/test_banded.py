@@ -40,3 +40,12 @@ def test_a_pivot_that_is_not_positive_is_named(bad):
     band, _, ends, _ = random_system(11, 3, 0)
     band[bad, 0] = np.nan if bad == 3 else -50.0
     assert factorise(band, ends) == bad + 1
+
+
+def test_a_system_without_room_behind_is_refused():
+    """The lanes would write beyond the end of the arrays."""
+    band, rhs, ends, _ = random_system(11, 3, 0)
+    with pytest.raises(IndexError):
+        factorise(band[:11], ends)
+    with pytest.raises(IndexError):
+        solve_factorised(rhs[:11], band, ends)
