@@ -17,22 +17,14 @@ from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, quantities
+from .step.balance import balance_of
 from .step.banded import allocate_system
 from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import fill_gate, gate_height, gate_lift, gate_velocity, open_fractions
-from .step.geometry import (
-    allocate_geometry,
-    fill_cells,
-    fill_faces,
-    fill_reach,
-    fill_walls,
-    number_unknowns,
-    repeat_columns,
-    wetted_edge,
-)
+from .step.gate import gate_height, gate_lift, open_fractions
+from .step.geometry import allocate_geometry, repeat_columns, wetted_edge
 from .step.grain_response import (
     carry_response,
     extend_response,
@@ -42,8 +34,9 @@ from .step.grain_response import (
     start_response,
 )
 from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
-from .step.lateral_friction import brake_before_solve, sink_constants
+from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
+from .step.place import place
 from .step.rheology import material
 from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
 from .step.transverse_profile import shape_factor_of
@@ -51,7 +44,6 @@ from .step.transverse_profile import shape_factor_of
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
 HALVINGS = 5
-PENALTY = 4.0e5  # of the incompressibility, in units of rho h0 sqrt(g h0): 1e8 Pa s for the paper's column
 GROWTH = 16
 
 
@@ -350,33 +342,12 @@ class Simulation:
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
-        geometry = self.geometry
         height = self.lift.foot if closed else gate_height(time, self.lift)
-        open_fractions(geometry.aperture, height, self.gate_column, self.spacing[1])
-        fill_cells(
-            geometry.filled,
-            geometry.lever_x,
-            geometry.lever_z,
-            self.state.level_set,
-            geometry.aperture,
+        open_fractions(self.geometry.aperture, height, self.gate_column, self.spacing[1])
+        open_end = self.case.boundary.right_end == "open"
+        self.ends = place(
+            self.geometry, self.state.level_set, self._packing(), self.gate_column, open_end
         )
-        geometry.packing[:] = self._packing()
-        fill_faces(
-            geometry.mass_x,
-            geometry.mass_z,
-            geometry.filled,
-            geometry.lever_x,
-            geometry.lever_z,
-            geometry.packing,
-        )
-        geometry.mass_x[:] *= geometry.aperture  # what the gate holds back does not move with u
-        fill_walls(geometry.bed_cover, geometry.wall_cover, self.state.level_set)
-        if self.case.effects.gate is not None:
-            fill_gate(
-                geometry.gate_cover, self.state.level_set, geometry.aperture, self.gate_column
-            )
-        fill_reach(geometry.reach, geometry.filled)
-        self.ends = number_unknowns(geometry, self.case.boundary.right_end == "open")
 
     def _split_friction(self, u_star, w_star, balance):
         """Change of velocity by the lateral walls before the solve; None where they act within it."""
@@ -457,34 +428,14 @@ class Simulation:
             *self.spacing,
         )
 
-    def _balance(self, dt, max_sweeps=None, tolerance=None):
-        case, numerics = self.case, self.case.numerics
-        walls = case.effects.lateral_friction
-        strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
-        scale = math.sqrt(GRAVITY * case.geometry.height_0)
-        rate_start = (
-            0.1 * math.sqrt(GRAVITY / case.geometry.height_0) if self.state.step < 10 else 0.0
-        )
-        penalty = PENALTY * case.rheology.density_bulk * case.geometry.height_0 * scale
-        return coupled.Balance(
+    def _balance(self, dt):
+        return balance_of(
+            self.case,
+            self.state,
             dt,
-            case.rheology.density_bulk,
-            *self.gravity,
-            float(case.boundary.mu_bed),
-            0.0 if self.halo else float(case.boundary.mu_back_wall),
-            strength,
-            0.1 * numerics.shear_rate_min * case.geometry.height_0,
-            penalty,
-            numerics.unilateral,
-            tolerance or numerics.tolerance,
-            0.01 * scale,
-            max_sweeps or numerics.max_sweeps,
-            rate_start,
-            deep_ratio,
-            weakening_depth,
+            self.gravity,
+            self.lift,
             self.gate_column,
-            gate_velocity(self.state.time + dt, self.lift),
-            case.effects.gate.mu_gate if case.effects.gate is not None else 0.0,
             self.response,
         )
 
@@ -569,7 +520,7 @@ class Simulation:
         self._solve_coupled(
             np.zeros_like(state.u),
             np.zeros_like(state.w),
-            self._balance(1.0, max_sweeps=100, tolerance=1e-6)._replace(gate_speed=0.0),
+            self._balance(1.0)._replace(max_sweeps=100, tolerance=1e-6, gate_speed=0.0),
         )
         state.u[:] = 0.0
         state.w[:] = 0.0

@@ -22,7 +22,6 @@ from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
 from .geometry import WET, last_face
 from .grain_response import (
-    Response,
     ResponseWork,
     add_extra_friction,
     add_source,
@@ -37,31 +36,6 @@ from .viscous import add_cells, add_nodes, divergence, viscosity_weights
 
 FRICTION_TOLERANCE = 0.01  # change of the bed's friction between two sweeps
 MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
-
-
-class Balance(NamedTuple):
-    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
-
-    dt: float
-    density: float
-    gx: float
-    gz: float
-    mu_bed: float
-    mu_back_wall: float
-    wall_strength: float
-    slip_min: float
-    penalty: float
-    unilateral: bool
-    tolerance: float
-    speed_scale: float
-    max_sweeps: int
-    rate_start: float
-    wall_deep_ratio: float
-    wall_weakening_depth: float
-    gate_column: int
-    gate_speed: float
-    mu_gate: float
-    response: Response
 
 
 class Work(NamedTuple):

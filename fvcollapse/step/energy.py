@@ -118,7 +118,7 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     geometry : Geometry
     impulse : tuple of (nx + 1, nz), (nx, nz + 1) arrays, or None
         Change of velocity by the lateral walls before the solve (split form), m/s.
-    balance : coupled.Balance
+    balance : Balance
     dx, dz : float
         m.
 
@@ -175,7 +175,7 @@ def loss_of_step(
         Velocity after advection.
     geometry : Geometry
         At the end of the step.
-    balance : coupled.Balance
+    balance : Balance
     dx, dz : float
         m.
 

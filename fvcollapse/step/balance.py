@@ -1,0 +1,84 @@
+"""Constants of the momentum balance of one step, for the kernels."""
+
+import math
+from typing import NamedTuple
+
+from ..case import GRAVITY
+from .gate import gate_velocity
+from .grain_response import Response
+from .lateral_friction import sink_constants
+
+PENALTY = 4.0e5  # of the incompressibility, in units of rho h0 sqrt(g h0): 1e8 Pa s for the paper's column
+SOFT_STEPS = 10  # first steps, whose sweeps begin with a larger regularisation
+
+
+class Balance(NamedTuple):
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
+
+    dt: float
+    density: float
+    gx: float
+    gz: float
+    mu_bed: float
+    mu_back_wall: float
+    wall_strength: float
+    slip_min: float
+    penalty: float
+    unilateral: bool
+    tolerance: float
+    speed_scale: float
+    max_sweeps: int
+    rate_start: float
+    wall_deep_ratio: float
+    wall_weakening_depth: float
+    gate_column: int
+    gate_speed: float
+    mu_gate: float
+    response: Response
+
+
+def balance_of(case, state, dt, gravity, lift, gate_column, response):
+    """`Balance` of the step of dt (s) that follows `state`.
+
+    Parameters
+    ----------
+    case : Case
+        With its effects on keys applied (`with_effects`).
+    state : State
+    dt : float
+    gravity : (gx, gz)
+        Along and normal to the bed, m/s2.
+    lift : Lift
+    gate_column : int
+        Negative without a gate.
+    response : Response
+        Of the effects that carry a field.
+    """
+    numerics, height, density = case.numerics, case.geometry.height_0, case.rheology.density_bulk
+    walls, gate = case.effects.lateral_friction, case.effects.gate
+    strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
+    scale = math.sqrt(GRAVITY * height)
+    soft = 0.1 * math.sqrt(GRAVITY / height) if state.step < SOFT_STEPS else 0.0
+    periodic = case.boundary.ends == "periodic"
+    return Balance(
+        dt=dt,
+        density=density,
+        gx=gravity[0],
+        gz=gravity[1],
+        mu_bed=float(case.boundary.mu_bed),
+        mu_back_wall=0.0 if periodic else float(case.boundary.mu_back_wall),
+        wall_strength=strength,
+        slip_min=0.1 * numerics.shear_rate_min * height,
+        penalty=PENALTY * density * height * scale,
+        unilateral=numerics.unilateral,
+        tolerance=numerics.tolerance,
+        speed_scale=0.01 * scale,
+        max_sweeps=numerics.max_sweeps,
+        rate_start=soft,
+        wall_deep_ratio=deep_ratio,
+        wall_weakening_depth=weakening_depth,
+        gate_column=gate_column,
+        gate_speed=gate_velocity(state.time + dt, lift),
+        mu_gate=gate.mu_gate if gate is not None else 0.0,
+        response=response,
+    )
