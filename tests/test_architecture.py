@@ -38,6 +38,7 @@ LAYERS = (
     "refinement_figure",
     "refinement_report",
     "verification",
+    "diagnosis",
     "__init__",
     "__main__",
 )
