@@ -432,6 +432,8 @@ class Report(Part):
     details : Details
     """
 
+    format: Literal["fvcollapse-report"] = FORMAT
+    format_version: Literal[1] = FORMAT_VERSION
     experiments: list[str]
     held_out: list[str]
     baseline_case: str
