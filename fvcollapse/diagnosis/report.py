@@ -25,7 +25,6 @@ DIGITS = 6  # significant digits of an array in the file
 # The models that are compared: as given, re-calibrated, with the first and with the second effect.
 BASELINE, RECALIBRATED, WINNER, RUNNER_UP = "baseline", "recalibrated", "winner", "runner_up"
 RUNGS = {BASELINE: "G0", RECALIBRATED: "G1", WINNER: "G2", RUNNER_UP: "G2'"}
-PHASES = ("release", "spreading", "arrest", "deposit")
 NONE, UNKNOWN = "none", "unknown"
 
 Numbers = list[float | None]
@@ -36,7 +35,7 @@ class ReportError(FvcollapseError):
     """A report that contradicts itself; nothing is written."""
 
 
-class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Base of all parts of a report."""
 
 
@@ -345,7 +344,7 @@ class Comparison(Part):
     region : (n,)
         Index into `where.regions` of the region that a point belongs to; None: in none.
     phase : (n,)
-        One of `PHASES`; empty: not stated.
+        One of `points.PHASES`; empty: not stated.
     """
 
     experiment: str
@@ -411,7 +410,7 @@ class Details(Part):
     limits: list[str] = []
 
 
-class Report(Part):
+class Report(Part, kw_only=True):
     """The result of a diagnosis.
 
     Attributes
