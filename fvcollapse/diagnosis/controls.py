@@ -1,0 +1,104 @@
+"""What experiments in which nothing is hidden teach about the model: its discrepancy, not its rheology.
+
+The gaps of the controls are explained by U, the covariance of everything that is known to be uncertain,
+and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with the correlation rho
+between runs, S one factor for each observable. The factors and rho are those that make the gaps of the
+controls most probable. Given these gaps, the discrepancy of another run has a mean and a covariance
+(Gaussian conditioning): with them it is judged.
+
+References
+----------
+Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.optimize import minimize
+
+from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
+
+FACTOR_SPREAD = 1.5  # standard deviation of the logarithm of a factor before the controls are seen
+FACTOR_MEDIAN = 0.3
+CORRELATIONS = (0.02, 0.98)  # range of rho
+
+
+class Discrepancy(NamedTuple):
+    """What was learned: factor of each observable, correlation between runs, and S K S (N, N)."""
+
+    factors: dict
+    correlation: float
+    covariance: np.ndarray
+
+
+class Conditioned(NamedTuple):
+    """Mean (n,) and covariance (n, n) of the gap of the points that are no control."""
+
+    mean: np.ndarray
+    covariance: np.ndarray
+
+
+def learn(points, is_control, gap, covariance, kernel):
+    """The `Discrepancy` that the controls show.
+
+    Parameters
+    ----------
+    points : Points
+        Of experiments and controls.
+    is_control : (N,) bool array
+    gap : (N,) array
+        Simulated - measured; used on the controls only.
+    covariance, kernel : (N, N) arrays
+        U and K_delta.
+    """
+    observable, run = points.observable, points.experiment
+    names = [name for name in np.unique(observable) if (is_control & (observable == name)).any()]
+    own = np.ix_(is_control, is_control)
+    seen, known = gap[is_control], covariance[own]
+    same_run = run[:, None] == run
+
+    def scaled(parameters):
+        """S K S and the factors."""
+        factors = dict(zip(names, np.exp(parameters[:-1]), strict=True))
+        low, high = CORRELATIONS
+        rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
+        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable])
+        between = np.where(same_run, 1.0, rho / BETWEEN_RUNS)
+        return factors, rho, between * kernel * np.outer(factor, factor)
+
+    def cost(parameters):
+        """Minus the logarithm of likelihood and prior."""
+        total = known + scaled(parameters)[2][own]
+        try:
+            factor = cho_factor(total, lower=True, check_finite=False)
+        except LinAlgError:
+            return 1.0e10
+        log_determinant = 2.0 * np.log(np.diag(factor[0])).sum()
+        fit = 0.5 * (seen @ cho_solve(factor, seen, check_finite=False) + log_determinant)
+        shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
+        return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / FACTOR_SPREAD) ** 2
+
+    start = np.append(np.full(len(names), np.log(FACTOR_MEDIAN)), 0.0)
+    best = minimize(cost, start, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 0.02})
+    return Discrepancy(*scaled(best.x))
+
+
+def condition(is_control, gap, covariance):
+    """The `Conditioned` gap of the experiments, given that of the controls.
+
+    Parameters
+    ----------
+    is_control : (N,) bool array
+    gap : (N,) array
+        Used on the controls only.
+    covariance : (N, N) array
+        Of all gaps, the learned discrepancy included.
+    """
+    rest = ~is_control
+    across = covariance[np.ix_(rest, is_control)]
+    factor = cho_factor(covariance[np.ix_(is_control, is_control)], lower=True, check_finite=False)
+    mean = across @ cho_solve(factor, gap[is_control], check_finite=False)
+    spread = across @ cho_solve(factor, across.T, check_finite=False)
+    own = covariance[np.ix_(rest, rest)] - spread
+    return Conditioned(mean, 0.5 * (own + own.T))
