@@ -33,29 +33,30 @@ class Discrepancy(NamedTuple):
 
 
 class Conditioned(NamedTuple):
-    """Mean (n,) and covariance (n, n) of the gap of the points that are no control."""
+    """Mean (n,) and covariance (n, n) of the gap of some points, given that of others."""
 
     mean: np.ndarray
     covariance: np.ndarray
 
 
-def learn(points, is_control, gap, covariance, kernel):
+def learn(points, given, gap, covariance, kernel):
     """The `Discrepancy` that the controls show.
 
     Parameters
     ----------
     points : Points
         Of experiments and controls.
-    is_control : (N,) bool array
+    given : (N,) bool array
+        Points of the controls whose gap is known (a bound is no gap).
     gap : (N,) array
-        Simulated - measured; used on the controls only.
+        Simulated - measured.
     covariance, kernel : (N, N) arrays
         U and K_delta.
     """
     observable, run = points.observable, points.experiment
-    names = [name for name in np.unique(observable) if (is_control & (observable == name)).any()]
-    own = np.ix_(is_control, is_control)
-    seen, known = gap[is_control], covariance[own]
+    names = np.unique(observable[given])
+    own = np.ix_(given, given)
+    seen, known = gap[given], covariance[own]
     same_run = run[:, None] == run
 
     def scaled(parameters):
@@ -84,21 +85,20 @@ def learn(points, is_control, gap, covariance, kernel):
     return Discrepancy(*scaled(best.x))
 
 
-def condition(is_control, gap, covariance):
-    """The `Conditioned` gap of the experiments, given that of the controls.
+def condition(given, wanted, gap, covariance):
+    """The `Conditioned` gap of some points, given that of others.
 
     Parameters
     ----------
-    is_control : (N,) bool array
+    given, wanted : (N,) bool arrays
     gap : (N,) array
-        Used on the controls only.
+        Known where `given`.
     covariance : (N, N) array
         Of all gaps, the learned discrepancy included.
     """
-    rest = ~is_control
-    across = covariance[np.ix_(rest, is_control)]
-    factor = cho_factor(covariance[np.ix_(is_control, is_control)], lower=True, check_finite=False)
-    mean = across @ cho_solve(factor, gap[is_control], check_finite=False)
+    across = covariance[np.ix_(wanted, given)]
+    factor = cho_factor(covariance[np.ix_(given, given)], lower=True, check_finite=False)
+    mean = across @ cho_solve(factor, gap[given], check_finite=False)
     spread = across @ cho_solve(factor, across.T, check_finite=False)
-    own = covariance[np.ix_(rest, rest)] - spread
+    own = covariance[np.ix_(wanted, wanted)] - spread
     return Conditioned(mean, 0.5 * (own + own.T))
