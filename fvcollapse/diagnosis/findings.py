@@ -3,12 +3,13 @@
 from math import inf
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.stats import chi2
 
 from fvcollapse.case import describe_keys
 from fvcollapse.curves import FORMS
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
-from fvcollapse.diagnosis.evidence import chi_square_p
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -26,7 +27,7 @@ SIZE_UNITS = "standard uncertainties beyond the noise"
 NAMED = ("effect", "several")
 
 
-def report_of(analysis, verdict, ladder, choices, baseline, cost):
+def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
     """The `Report` of a diagnosis.
 
     Parameters
@@ -38,6 +39,8 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost):
         What to measure next, the best first.
     baseline : Case
     cost : report.Cost
+    model : VerdictModel, optional
+        What the verdict was made with.
     """
     held = ladder.held_out.points.experiments if ladder.held_out else ()
     upcoming = [next_experiment(choice) for choice in choices]
@@ -67,7 +70,7 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost):
             ladder=rungs(analysis, ladder),
             confirmation=confirmation(analysis, verdict, ladder),
             alternatives=upcoming[1:],
-            limits=limits(analysis, ladder),
+            limits=[*limits(analysis, ladder), model_words(analysis, model)],
         ),
     )
 
@@ -444,7 +447,9 @@ def predictive_check(analysis, ladder, hypothesis):
     covariance = ladder.fitted.covariance + set_up_covariance(analysis.library)[own, own]
     covariance = covariance + hypothesis.sigma**2 * analysis.kernel
     counted = (analysis.points.kind == "value") | (gap != 0.0)
-    return chi_square_p(gap, covariance, counted)
+    factor = cho_factor(covariance[np.ix_(counted, counted)], lower=True, check_finite=False)
+    square = gap[counted] @ cho_solve(factor, gap[counted], check_finite=False)
+    return float(chi2.sf(square, np.count_nonzero(counted)))
 
 
 def next_experiment(choice):
@@ -492,11 +497,22 @@ def limits(analysis, ladder):
                 f"{one.name} does not state the standard deviation of {', '.join(missing)}: the "
                 "defaults hold (`fvcollapse keys --experiment`)."
             )
-    words += [f"A run of the ladder failed: {failure}." for failure in ladder.failures]
-    words.append(
+    return words + [f"A run of the ladder failed: {failure}." for failure in ladder.failures]
+
+
+def model_words(analysis, model):
+    """What the probabilities rest on."""
+    if model is None or not model.covers(analysis.evidence):
+        return (
+            "Probabilities are tempered evidences and not calibrated: the package has no verdict "
+            "model for these effects."
+        )
+    words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "
         "of the catalogue."
     )
+    if not model.is_of_this_solver:
+        words += f" It was trained with solver {model.solver}, not the present one."
     return words
 
 
