@@ -29,6 +29,4 @@ def fake_points(runs=2, places=8, kinds=(("final_height", "value"),)):
             value = {"final_height": 0.08, "runout": 0.5}[observable]
             add(name, observable, none, none, np.array([value]), kind)
         scales.append(Run(name, 0.5, (0.05, 0.25, 0.4)))
-    return Points(
-        (), tuple(blocks), np.concatenate(measured), np.concatenate(sigma), tuple(scales)
-    )
+    return Points((), tuple(blocks), np.concatenate(measured), np.concatenate(sigma), tuple(scales))

@@ -6,9 +6,11 @@ process for what the trend leaves. Every observable has the same weights,
 
     Delta(u) = sum_j w_j(u) Delta_j,
 
-so what is polynomial is exact. The error covariance is v(u) / m sum_j e_j e_j' / v_j: the errors
+so what is polynomial is exact. The error covariance is v(u) f / m sum_j e_j e_j' / v_j: the errors
 e_j of predicting each level from the others, carried over by the kriging variance v, which is zero at
-the levels.
+the levels. The factor f = 1 + 2/m is for their small number; it is doubled in several dimensions, where
+without that 81 to 92 % of the errors of saturating responses lay inside their 90 % intervals. A trend
+with squares but without mixed terms has twice the error there and is not used.
 
 References
 ----------
@@ -16,13 +18,14 @@ Santner, Williams & Notz (2018), The design and analysis of computer experiments
 """
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations_with_replacement
 
 import numpy as np
 
 CORRELATION_LENGTH = 0.7  # of the process, in quantiles
 NUGGET = 1.0e-10
 WORST_CONDITION = 1.0e3  # of a trend that the levels determine
+SEVERAL = 2.0  # factor of the error variance in several dimensions
 LEAST_AMPLITUDE, MOST_AMPLITUDE = 0.15, 2.0  # of an effect that was run at one level only
 
 
@@ -37,7 +40,7 @@ class Response:
     differences : (n, N) array
         Simulated with the effect there - baseline.
     errors : (m, N) array
-        e_j / sqrt(m v_j); m = 0: the interpolation is taken to be exact.
+        e_j sqrt(f / (m v_j)); m = 0: the interpolation is taken to be exact.
     """
 
     levels: np.ndarray
@@ -74,7 +77,8 @@ class Response:
             rest = np.arange(len(levels)) != j
             weights, variance = kriging(levels[rest], levels[j : j + 1])
             error = differences[j] - weights[0] @ differences[rest]
-            errors[j] = error / np.sqrt(m * variance[0])
+            errors[j] = error / np.sqrt(variance[0])
+        errors *= np.sqrt((1.0 + 2.0 / m) / m * (1.0 if levels.shape[1] == 1 else SEVERAL))
         return cls(levels, differences, errors)
 
     @classmethod
@@ -142,11 +146,9 @@ def richest_trend(levels):
     """Exponents (p, d) of the monomials of the richest trend that the levels determine."""
     n, d = levels.shape
     one, unit = np.zeros((1, d), int), np.eye(d, dtype=int)
-    mixed = [unit[i] + unit[j] for i, j in combinations(range(d), 2)]
     linear = np.vstack([one, unit])
-    squares = np.vstack([linear, 2 * unit])
-    full = np.vstack([squares, *mixed]) if mixed else squares
-    for terms in (full, squares, linear):
+    second = [unit[i] + unit[j] for i, j in combinations_with_replacement(range(d), 2)]
+    for terms in (np.vstack([linear, *second]), linear):
         if len(terms) <= n and np.linalg.cond(monomials(levels, terms)) < WORST_CONDITION:
             return terms
     return one

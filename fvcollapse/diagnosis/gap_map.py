@@ -255,7 +255,7 @@ def with_words(points, regions):
             and region.t_range[0] == min(starts)
             and region.t_range[0] > first_time(points, region.experiment)
         ):
-            text += f"; nothing significant before {region.t_range[0]:.2g} s"
+            text += f"; nothing significant before {region.t_range[0]:.2f} s"
         told.append(region._replace(text=text))
     return tuple(told)
 
@@ -270,8 +270,10 @@ def words_of(region, block):
     name, more, less, unit, factor = WORDS[region.observable]
     direction = more if region.gap > 0.0 else less
     size, doubt = factor * abs(region.gap), factor * region.uncertainty
-    digits = max(0, 1 - int(np.floor(np.log10(doubt)))) if doubt > 0.0 else 1
-    digits = min(digits, 3)
+    decade = int(np.floor(np.log10(doubt)))
+    digits = max(
+        0, -decade + (doubt < 2.0 * 10.0**decade)
+    )  # one figure of the doubt, two from 10 to 19
     text = f"{name} {size:.{digits}f} ± {doubt:.{digits}f} {unit} {direction}"
     if block.kind != "value":
         text += f" (beyond the {block.kind} bound)"
