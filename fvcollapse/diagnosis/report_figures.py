@@ -22,6 +22,7 @@ from fvcollapse.diagnosis.report_words import (
     model_name,
     observable_name,
     percent,
+    ranking,
     shown_gap,
     shown_value,
 )
@@ -29,13 +30,14 @@ from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
 
 WIDTH = 4.9  # inch
 STYLE = {"font.size": 8.5, "axes.titlesize": 8.5, "svg.fonttype": "none", "svg.hashsalt": "report"}
+STYLE |= {"axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.6}
 LEVELS = (-8.0, -5.0, -3.0, -2.0, 2.0, 3.0, 5.0, 8.0)  # of z: between -2 and 2 nothing is claimed
 NO_DATA = "#dfe3e8"
 COVERAGE = 2.0  # combined standard uncertainties of a band
 EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 GAP_UNITS = "gap in combined standard uncertainties"
 FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
-OVERLAYS = ("front", "volume", "profiles", "interface")
+OVERLAYS = ("front", "profiles", "interface", "volume")
 
 
 class Picture(NamedTuple):
@@ -113,14 +115,6 @@ def column(values):
     return np.array([np.nan if value is None else value for value in values], float)
 
 
-def limits_of(*columns):
-    """Least and greatest finite value, with a margin of 5 %."""
-    values = np.concatenate([one[np.isfinite(one)] for one in columns])
-    low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
-    margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
-    return low - margin, high + margin
-
-
 # -- overlays ------------------------------------------------------------------------------------
 
 
@@ -136,13 +130,16 @@ def overlay(report, one):
     return picture(figure, name, alt, f"{what} ({group})", one.experiment)
 
 
-def shared_legend(figure, *panels):
-    """One legend below all panels, each entry once; long ones in two lines."""
+def shared_legend(figure, *panels, beside=()):
+    """One legend below all panels (or in an empty one), each entry once; long ones in two lines."""
     found = [panel.get_legend_handles_labels() for panel in panels]
     named = {word: handle for pair in found for handle, word in zip(*pair, strict=True)}
     words = [broken(word, 34) for word in named]
-    place = {"loc": "outside lower center", "ncols": 2, "frameon": False, "fontsize": 8}
-    figure.legend(named.values(), words, **place)
+    form = {"frameon": False, "fontsize": 8}
+    if len(beside):
+        beside[0].legend(named.values(), words, loc="center", borderaxespad=0.0, **form)
+    else:
+        figure.legend(named.values(), words, loc="outside lower center", ncols=2, **form)
 
 
 def draw_measured(axes, abscissa, one, rows, factor):
@@ -164,7 +161,7 @@ def draw_models(axes, abscissa, report, one, rows, after, factor):
     """Lines of the model before, with the band of all uncertainties, and after."""
     before = factor * column(one.simulated[BASELINE])[rows]
     spread = COVERAGE * factor * column(one.combined)[rows]
-    band = "95 % of measurements, if before held"
+    band = "before \N{PLUS-MINUS SIGN} 2 combined sd"
     axes.fill_between(
         abscissa, before - spread, before + spread, color=ORANGE, alpha=0.18, lw=0, label=band
     )
@@ -222,24 +219,25 @@ def draw_profiles(report, one, after):
     time, x = column(one.time), column(one.x)
     moments = np.unique(time)
     lines = (len(moments) + 1) // 2
-    figure = new_figure(WIDTH, 1.1 + 1.0 * lines)
-    panels = figure.subplots(lines, 2, sharex=True, sharey=True, squeeze=False).ravel()
+    figure = new_figure(WIDTH, 0.6 + 1.15 * lines)
+    grid = figure.subplots(lines, 2, sharex=True, sharey="row", squeeze=False)
+    panels, spare = grid.ravel()[: len(moments)], grid.ravel()[len(moments) :]
     factor, units = shown_value(one.observable, one.units)
-    for axes, moment in zip(panels, moments, strict=False):
+    for axes, moment in zip(panels, moments, strict=True):
         rows = np.flatnonzero(time == moment)
         rows = rows[np.argsort(x[rows])]
         draw_models(axes, x[rows], report, one, rows, after, factor)
         draw_measured(axes, x[rows], one, rows, factor)
         place = {"transform": axes.transAxes, "ha": "right", "va": "top"}
-        axes.text(0.97, 0.93, f"t = {moment:.3g} s", **place)
+        axes.text(0.97, 0.95, f"t = {moment:.3g} s", **place)
         axes.locator_params(nbins=5)
-    for axes in panels[len(moments) :]:
-        axes.remove()
-    for axes in panels[: len(moments)][-2:]:  # the last of each column carries the axis
+    for axes in panels[-2:]:  # the last of each column carries the axis
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("x from the back wall (m)")
+    for axes in spare:  # where the last row has one panel, the legend fills it
+        axes.set_axis_off()
     figure.supylabel(f"{observable_name(one.observable)} ({units or '1'})", fontsize=8.5)
-    shared_legend(figure, panels[0])
+    shared_legend(figure, panels[0], beside=spare)
     return figure
 
 
@@ -253,6 +251,7 @@ def gap_map(report, one):
     time, x = column(one.time), column(one.x)
     moments = np.unique(time)
     cells = [cell(x, time, moments, n) for n in range(len(x))]
+    ends = min(corners[0][0] for corners in cells), max(corners[1][0] for corners in cells)
     figure = new_figure(WIDTH, 1.55 + 0.27 * len(moments))
     panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
     norm = BoundaryNorm(LEVELS, 256, extend="both")
@@ -265,7 +264,7 @@ def gap_map(report, one):
         axes.set_facecolor(NO_DATA)
         word = "before" if model == BASELINE else "after"
         axes.set_title(plain(f"{word}: {model_name(model, report)}"), fontsize=7.5, wrap=True)
-        axes.set(xlim=limits_of(x), ylim=(-0.5, len(moments) - 0.5), xlabel="x (m)")
+        axes.set(xlim=ends, ylim=(-0.5, len(moments) - 0.5), xlabel="x (m)")
         axes.set_yticks(range(len(moments)), [f"{moment:.3g}" for moment in moments])
         axes.locator_params(axis="x", nbins=5)
     panels[0].set_ylabel("time (s), one row each")
@@ -273,7 +272,7 @@ def gap_map(report, one):
         drawn, ax=panels, location="bottom", aspect=35, ticks=LEVELS, extend="both"
     )
     bar.set_label(
-        "simulated too low  \N{LEFTWARDS ARROW}  z  \N{RIGHTWARDS ARROW}  simulated too high",
+        "simulated too low  \N{LEFTWARDS ARROW}  z = gap / combined sd  \N{RIGHTWARDS ARROW}  too high",
         fontsize=8,
     )
     what = f"{observable_name(one.observable)}, {one.experiment}"
@@ -318,7 +317,7 @@ def outline(axes, one, cells):
 def evidence(report):
     """Probabilities of all hypotheses, and their ln evidence with its change under wider priors."""
     verdict, hypotheses = report.verdict, report.details.hypotheses
-    names = sorted(verdict.probability, key=lambda name: verdict.probability[name])
+    names = [name for name, _ in ranking(report)][::-1]
     figure = new_figure(WIDTH, 0.9 + 0.25 * len(names))
     left, right = figure.subplots(1, 2, sharey=True)
     rows = np.arange(len(names))
@@ -441,14 +440,9 @@ def ladder(report):
 def draw_rung(left, right, row, misfit, colour, marker, word):
     """One model over one group: rms gap (single experiments small), fraction closed with its range."""
     singles = list(misfit.by_experiment.values())
-    left.plot(
-        singles,
-        [row] * len(singles),
-        "|",
-        color=colour,
-        markersize=7,
-        label=f"{word}, one experiment each",
-    )
+    if len(singles) > 1:
+        label = f"{word}, one experiment each"
+        left.plot(singles, [row] * len(singles), "|", color=colour, markersize=7, label=label)
     left.plot(misfit.rms, row, marker, color=colour, markersize=6, label=f"{word}, all")
     if misfit.interval is not None:
         ends = [100.0 * end for end in misfit.interval]

@@ -65,6 +65,7 @@ def render(report, chapters):
     )
     environment.filters |= {
         "number": words.number,
+        "tenths": words.tenths,
         "percent": words.percent,
         "span": words.span,
         "hypothesis": words.hypothesis_name,
@@ -85,6 +86,7 @@ def render(report, chapters):
         headline=words.headline(report),
         after=words.after_model(report),
         model=lambda model: words.model_name(model, report),
+        confirmed=report.details.confirmation and words.wording(report.details.confirmation),
         rungs=RUNGS,
         set_ups=set_up_rows(report),
         regions=sorted(report.where.regions, key=lambda region: -region.significance),
@@ -187,10 +189,9 @@ def scalar_rows(report):
 
 def candidate_rows(report):
     """(name, candidate or None, hypothesis or None) of all hypotheses, the most probable first."""
-    ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
     return [
         (name, chance, report.candidates.get(name), report.details.hypotheses.get(name))
-        for name, chance in ranked
+        for name, chance in words.ranking(report)
     ]
 
 

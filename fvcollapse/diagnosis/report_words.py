@@ -73,6 +73,17 @@ def after_model(report):
     return next((model for model in (WINNER, RECALIBRATED) if model in simulated), BASELINE)
 
 
+def ranking(report):
+    """(hypothesis, probability), the most probable first, of equal ones that with more evidence."""
+
+    def rank(item):
+        stated = report.details.hypotheses.get(item[0])
+        known = stated is not None and stated.log_evidence is not None
+        return -item[1], -stated.log_evidence if known else 0.0
+
+    return sorted(report.verdict.probability.items(), key=rank)
+
+
 # -- numbers -------------------------------------------------------------------------------------
 
 
@@ -84,6 +95,16 @@ def number(value, digits=3):
     if "e" in text and 1.0e-4 <= abs(value) < 1.0e6:
         text = f"{value:.0f}" if abs(value) >= 1.0 else f"{value:.6f}".rstrip("0")
     return text.replace("-", MINUS)
+
+
+def tenths(value):
+    """A number with one decimal; a dash without one."""
+    return "\N{EN DASH}" if value is None else f"{value:.1f}".replace("-", MINUS)
+
+
+def hundredths(value):
+    """A number with two decimals."""
+    return f"{value:.2f}".replace("-", MINUS)
 
 
 def percent(share):
@@ -146,9 +167,9 @@ def region_words(region):
     side = above if region.gap > 0.0 else below
     text = f"simulated {observable_name(region.observable)} {size} {side}"
     if region.t_range is not None:
-        text += f" from {span(region.t_range)} s"
+        text += f" from {span(region.t_range, hundredths)} s"
     if region.x_range is not None:
-        text += f", at x = {span(region.x_range)} m"
+        text += f", at x = {span(region.x_range, hundredths)} m"
     return text
 
 
@@ -218,8 +239,7 @@ def cause_sentence(report):
     meaning = effect_meaning(first)
     meaning = f" ({meaning[0].lower()}{meaning[1:]})" if meaning else ""
     text = f"The cause that explains this best is {hypothesis_name(first)}{meaning}, with probability {chance}"
-    others = sorted(verdict.probability.items(), key=lambda item: -item[1])
-    close = [(name, p) for name, p in others if name != first and p >= CLOSE_SECOND]
+    close = [(name, p) for name, p in ranking(report) if name != first and p >= CLOSE_SECOND]
     if close:
         text += "; " + listed(f"{hypothesis_name(name)} has {percent(p)}" for name, p in close)
     return f"{text}."
