@@ -39,6 +39,7 @@ LAYERS = (
     "refinement_report",
     "verification",
     "diagnosis",
+    "blind",
     "__init__",
     "__main__",
 )
