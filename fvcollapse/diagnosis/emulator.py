@@ -1,16 +1,22 @@
 """Response of the observables to an effect, between the few levels at which it was run.
 
 The difference to the baseline is interpolated in the quantile coordinate u of the prior: universal
-kriging, a polynomial trend of at most second degree (as rich as the levels determine it) and a Matern-5/2
-process for what the trend leaves. Every observable has the same weights,
+kriging, a polynomial trend and a Matern-5/2 process for what the trend leaves. Every observable has the
+same weights,
 
     Delta(u) = sum_j w_j(u) Delta_j,
 
-so what is polynomial is exact. The error covariance is v(u) f / m sum_j e_j e_j' / v_j: the errors
-e_j of predicting each level from the others, carried over by the kriging variance v, which is zero at
-the levels. The factor f = 1 + 2/m is for their small number; it is doubled in several dimensions, where
-without that 81 to 92 % of the errors of saturating responses lay inside their 90 % intervals. A trend
-with squares but without mixed terms has twice the error there and is not used.
+so that a trend is met exactly: of second degree in one dimension from three levels on, in several ones
+if there are 1.5 times as many levels as terms, else linear. (Left-out levels of wall friction with two
+parameters, 7 runs at 16 degrees and 20 mm: rms error of the thickness 0.5 and 1.3 mm with a linear trend,
+0.8 and 2.7 mm with one of second degree that the levels just determine, of responses of 7 and 10 mm.
+Profiles stretched to the length of the pile before they are interpolated have errors between 0.84 and
+1.5 times those of plain ones in four closures of walls and gate: not worth it.)
+
+The error covariance is v(u) f / m sum_j e_j e_j' / v_j: the errors e_j of predicting each level from the
+others, carried over by the kriging variance v, which is zero at the levels. The factor f = 1 + 2/m is for
+their small number; it is doubled in several dimensions, where without that 76 to 92 % of the errors of
+saturating responses lay inside their 90 % intervals.
 
 References
 ----------
@@ -24,6 +30,7 @@ import numpy as np
 
 CORRELATION_LENGTH = 0.7  # of the process, in quantiles
 NUGGET = 1.0e-10
+SPARE = 1.5  # levels for each term of a trend of second degree in several dimensions
 WORST_CONDITION = 1.0e3  # of a trend that the levels determine
 SEVERAL = 2.0  # factor of the error variance in several dimensions
 LEAST_AMPLITUDE, MOST_AMPLITUDE = 0.15, 2.0  # of an effect that was run at one level only
@@ -148,8 +155,9 @@ def richest_trend(levels):
     one, unit = np.zeros((1, d), int), np.eye(d, dtype=int)
     linear = np.vstack([one, unit])
     second = [unit[i] + unit[j] for i, j in combinations_with_replacement(range(d), 2)]
-    for terms in (np.vstack([linear, *second]), linear):
-        if len(terms) <= n and np.linalg.cond(monomials(levels, terms)) < WORST_CONDITION:
+    full = np.vstack([linear, *second])
+    for terms, least in ((full, len(full) * (1.0 if d == 1 else SPARE)), (linear, len(linear))):
+        if n >= least and np.linalg.cond(monomials(levels, terms)) < WORST_CONDITION:
             return terms
     return one
 

