@@ -232,7 +232,7 @@ def reduction(comparisons, experiments):
 
     mine = [one for one in comparisons if one.experiment in experiments]
     names = dict.fromkeys(one.observable for one in mine if one.observable != "volume")
-    units = "combined standard uncertainties"
+    units = "standard uncertainties beyond the noise"
     return Reduction(
         overall=part(mine, units, lambda chosen, model: rms_z(chosen, model, experiments)),
         by_observable={

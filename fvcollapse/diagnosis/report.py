@@ -199,7 +199,7 @@ class Separability(Part):
 
 
 class Closed(Part):
-    """A gap before and after, and the fraction of it that closed with its range."""
+    """A gap before and after, as far as it is beyond the noise, and the fraction that closed."""
 
     before: float
     after: float
@@ -235,7 +235,7 @@ class Misfit(Part):
     rms : float
         Root mean square gap in combined standard uncertainties.
     fraction_closed : float or None
-        1 - |z| / |z of the baseline as given|; negative: the gap grew.
+        Of the gap of the baseline as given that is beyond the noise; negative: the gap grew.
     interval : (float, float) or None
         Its range over the leave-one-experiment-out values.
     predicted : float or None

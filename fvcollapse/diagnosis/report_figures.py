@@ -8,6 +8,7 @@ import io
 import re
 from itertools import cycle
 from typing import NamedTuple
+from urllib.parse import quote
 
 import matplotlib
 import numpy as np
@@ -100,9 +101,8 @@ def lighter(svg):
 
 
 def file_name(*parts):
-    """A name that any file system takes."""
-    text = "_".join(parts)
-    return "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in text)
+    """A name that any file system takes; different for different parts."""
+    return quote("_".join(parts), safe="")
 
 
 def plain(text):
@@ -160,10 +160,11 @@ def bars(abscissa, low, high):
 def draw_models(axes, abscissa, report, one, rows, after, factor):
     """Lines of the model before, with the band of all uncertainties, and after."""
     before = factor * column(one.simulated[BASELINE])[rows]
+    expected = factor * (column(one.measured) + gap_of(one, BASELINE))[rows]
     spread = COVERAGE * factor * column(one.combined)[rows]
     band = "before \N{PLUS-MINUS SIGN} 2 combined sd"
     axes.fill_between(
-        abscissa, before - spread, before + spread, color=ORANGE, alpha=0.18, lw=0, label=band
+        abscissa, expected - spread, expected + spread, color=ORANGE, alpha=0.18, lw=0, label=band
     )
     axes.plot(
         abscissa,
@@ -193,14 +194,20 @@ def draw_history(report, one, after):
     spread = COVERAGE * factor * column(one.combined)
     bottom.fill_between(time, -spread, spread, color=GREY, alpha=0.18, lw=0)
     bottom.axhline(0.0, color="black", lw=0.8)
-    for model, style, colour in ((BASELINE, "s--", ORANGE), (after, "o-", BLUE)):
-        if model in one.simulated and (model != after or after != BASELINE):
-            gap = factor * (column(one.simulated[model]) - column(one.measured))
-            bottom.plot(time, gap, style, color=colour, lw=1.0, markersize=2.6)
+    styles = {BASELINE: {"marker": "s", "ls": "--", "color": ORANGE}}
+    styles = {after: {"marker": "o", "ls": "-", "color": BLUE}} | styles
+    for model in (BASELINE, after):
+        if model in one.z:
+            bottom.plot(time, factor * gap_of(one, model), lw=1.0, markersize=2.6, **styles[model])
     mark_regions(bottom, one, time)
     bottom.set(xlabel="time (s)", ylabel=f"simulated \N{MINUS SIGN}\nmeasured ({units or '1'})")
     shared_legend(figure, top)
     return figure
+
+
+def gap_of(one, model):
+    """Gap of a model as it is judged, (n,): after what controls taught, if there were any."""
+    return column(one.z[model]) * column(one.combined)
 
 
 def mark_regions(axes, one, time):

@@ -42,11 +42,11 @@ def write_page(report, folder):
     OutputError
     """
     folder = Path(folder)
-    chapters = pictures(report)
     try:
         (folder / FIGURES).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(folder / FIGURES, error, running=True) from None
+    chapters = pictures(report)
     for picture in (picture for chapter in chapters.values() for picture in chapter):
         write_atomic(folder / FIGURES / f"{picture.name}.svg", picture.svg)
     path = folder / PAGE
@@ -202,7 +202,7 @@ def reduction_rows(report):
     groups = (report.reduction.fitted, report.reduction.held_out)
     names = dict.fromkeys(name for group in groups if group for name in group.by_observable)
     overall = [group.overall if group else None for group in groups]
-    rows = [("all observables together", *(reduction_cell(part, (1.0, "sd")) for part in overall))]
+    rows = [("all observables together", *(reduction_cell(part, (1.0, "")) for part in overall))]
     for name in names:
         parts = [group.by_observable.get(name) if group else None for group in groups]
         units = next(part.units for part in parts if part)

@@ -193,12 +193,17 @@ def where_sentence(report):
     """Where the gap lies."""
     regions = report.where.regions
     if not regions:
-        return (
+        text = (
             "Nowhere do simulation and experiment differ by more than the uncertainties of "
-            "measurement, grid and calibrated parameters explain."
+            "measurement, grid and calibrated parameters explain"
         )
+        if report.verdict.kind != NONE:
+            text += ", but all points together do"
+        return f"{text}."
     largest = sorted(regions, key=lambda region: -region.significance)[:LARGEST_REGIONS]
-    words = "; ".join(f"{region_words(region)} ({region.experiment})" for region in largest)
+    words = "; ".join(
+        f"{region_words(region).partition(';')[0]} ({region.experiment})" for region in largest
+    )
     others = len(regions) - len(largest)
     more = f"; and {others} smaller region{'s' if others > 1 else ''}" if others else ""
     return (
