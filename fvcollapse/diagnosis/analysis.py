@@ -21,6 +21,7 @@ from fvcollapse.diagnosis.effect_library import (
     CALIBRATED,
     DRAWS,
     REFINEMENT,
+    add_levels,
     baseline_cases,
     build_library,
 )
@@ -30,6 +31,11 @@ from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import null_test, separability
 
 ORDER = 1.0  # of convergence; see the convergence study
+REFINEMENTS = 2  # rounds of further levels
+REFINED = 2  # effects in each
+UNCERTAIN = 4.0  # expected chi-square of the error of the emulator at the best values
+SAME_LEVEL = 0.01  # quantile
+LEAST_QUANTILE = 0.01  # of a further level
 RIDGE = 0.1  # of the regression on the draws: few draws leave some directions open
 
 
@@ -121,8 +127,11 @@ def analyse(
     cell_size=None,
     draws=DRAWS,
     seed=0,
+    refinements=REFINEMENTS,
 ):
     """The `Analysis` of some experiments: runs what is missing, then compares.
+
+    Where the emulator is uncertain at the best values of the two best effects, they are run there too.
 
     Parameters
     ----------
@@ -137,12 +146,44 @@ def analyse(
     draws : int
         Size of the ensemble of calibrated parameters.
     seed : int
+    refinements : int
+        Rounds of further levels at most.
     """
     experiments, controls = tuple(experiments), tuple(controls)
     everyone = choose_points((*experiments, *controls)).experiments  # refuses a name twice
     cases = baseline_cases(everyone, case, cell_size)
     library = build_library(experiments, cases, runner, effects, controls, draws, seed)
-    return compare_library(library, experiments, controls, seed)
+    analysis = compare_library(library, experiments, controls, seed)
+    for _ in range(refinements):
+        wanted = uncertain_levels(analysis)
+        if not wanted:
+            break
+        library = add_levels(library, wanted, runner)
+        analysis = compare_library(library, experiments, controls, seed)
+    return analysis
+
+
+def uncertain_levels(analysis):
+    """(effect, closure, u) of the two best effects where the emulator errs by more than the noise."""
+    found = []
+    single = [
+        each
+        for name, each in analysis.evidence.hypotheses.items()
+        if name in analysis.library.responses
+    ]
+    single.sort(key=lambda each: -each.log_evidence)
+    for each in single[:REFINED]:
+        (variant,) = each.variant
+        response = analysis.responses[each.name][variant]
+        u = np.clip(each.u, LEAST_QUANTILE, 1.0 - LEAST_QUANTILE)
+        _, variance = response.weights(u[None])
+        white = analysis.comparison.whitened[each.sigma].solve(
+            response.errors[:, analysis.comparison.values].T
+        )
+        apart = np.abs(response.levels - u).max(axis=1).min()
+        if variance[0] * (white**2).sum() > UNCERTAIN and apart > SAME_LEVEL:
+            found.append((each.name, variant, u))
+    return found
 
 
 def compare_library(library, experiments, controls=(), seed=0):

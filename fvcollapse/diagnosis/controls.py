@@ -19,9 +19,12 @@ from scipy.optimize import minimize
 
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 
-FACTOR_SPREAD = 1.5  # standard deviation of the logarithm of a factor before the controls are seen
-FACTOR_MEDIAN = 0.3
+# logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
+# change of volume, of which its parameters know nothing
+FACTOR_MEDIAN, FACTOR_SPREAD = 0.3, 3.0
 CORRELATIONS = (0.02, 0.98)  # range of rho
+CORRELATION_SPREAD = 1.5  # of its logit
+FIRST_STEP = 0.7  # of the search
 
 
 class Discrepancy(NamedTuple):
@@ -54,14 +57,14 @@ def learn(points, given, gap, covariance, kernel):
         U and K_delta.
     """
     observable, run = points.observable, points.experiment
-    names = np.unique(observable[given])
+    names = np.unique(observable[given]).tolist()
     own = np.ix_(given, given)
     seen, known = gap[given], covariance[own]
     same_run = run[:, None] == run
 
     def scaled(parameters):
         """S K S and the factors."""
-        factors = dict(zip(names, np.exp(parameters[:-1]), strict=True))
+        factors = dict(zip(names, np.exp(parameters[:-1]).tolist(), strict=True))
         low, high = CORRELATIONS
         rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
         factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable])
@@ -78,11 +81,20 @@ def learn(points, given, gap, covariance, kernel):
         log_determinant = 2.0 * np.log(np.diag(factor[0])).sum()
         fit = 0.5 * (seen @ cho_solve(factor, seen, check_finite=False) + log_determinant)
         shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
-        return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / FACTOR_SPREAD) ** 2
+        return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
 
-    start = np.append(np.full(len(names), np.log(FACTOR_MEDIAN)), 0.0)
-    best = minimize(cost, start, method="Nelder-Mead", options={"xatol": 0.02, "fatol": 0.02})
+    start = np.append(np.log(first_factors(names, observable[given], seen, kernel[own])), 0.0)
+    simplex = np.vstack([start, start + FIRST_STEP * np.eye(len(start))])
+    options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02}
+    best = minimize(cost, start, method="Nelder-Mead", options=options)
     return Discrepancy(*scaled(best.x))
+
+
+def first_factors(names, observable, gap, kernel):
+    """Factors (n,) that give each observable the root mean square of its gap."""
+    mean = {name: np.mean(gap[observable == name] ** 2) for name in names}
+    own = {name: np.mean(np.diag(kernel)[observable == name]) for name in names}
+    return np.array([np.sqrt(max(mean[name] / own[name], 1.0e-4)) for name in names])
 
 
 def condition(given, wanted, gap, covariance):

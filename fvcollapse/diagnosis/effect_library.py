@@ -11,7 +11,7 @@ An effect that changes what is seen and not what flows is read off the run witho
 
 import zlib
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ DRAWS = 20  # of the ensemble
 LONGEST_STEP = 0.02  # of the coarser grid, in sqrt(height_0 / g): twice the default
 END_MARGIN, END_STEP = 0.02, 0.5  # s; ends are rounded up, so that similar films share their runs
 ARREST = 2.5  # s; least end of a run whose state of rest was measured
-LEVELS_1D = (0.1, 0.5, 0.95)
+LEVELS_1D = (0.05, 0.35, 0.65, 0.95)
 LEVELS_RANGE = (0.06, 0.94)  # of the quantiles in more dimensions
 FAILED_LEVELS = 0.34  # share of the runs of a closure that may fail
 # case key: key of [uncertainty]. The first are of the material, one truth for all experiments of it
@@ -140,7 +140,7 @@ def closures_of(name):
 
 
 def design(dimension):
-    """Points (m, d) that fill the unit cube: three levels, or an additive recurrence (Roberts 2018)."""
+    """Points (m, d) that fill the unit cube: four levels, or an additive recurrence (Roberts 2018)."""
     if dimension == 1:
         return np.array(LEVELS_1D)[:, None]
     count = 2 * dimension + 3
@@ -338,6 +338,8 @@ class Library:
     ----------
     points : Points
         Of the experiments that are diagnosed, then of the controls.
+    experiments : tuple of Experiment
+        Those that are diagnosed.
     cases : dict
         Experiment -> `Case` on the coarser grid.
     coarse, fine : (N,) arrays
@@ -358,6 +360,7 @@ class Library:
     """
 
     points: object
+    experiments: tuple
     cases: dict
     coarse: np.ndarray
     fine: np.ndarray
@@ -426,6 +429,7 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
     ]
     return Library(
         points=reading.points,
+        experiments=tuple(experiments),
         cases=cases,
         coarse=reading.vector("coarse", None),
         fine=reading.vector("fine", None),
@@ -449,6 +453,39 @@ def level_cases(closures, experiment, case):
         for number, closure in enumerate(closures)
         for level, u in enumerate(closure.levels())
     }
+
+
+def add_levels(library, wanted, runner):
+    """The library with further levels of some closures; one whose run fails stays as it is.
+
+    Parameters
+    ----------
+    library : Library
+    wanted : list of (str, int, (d,) array)
+        Effect, number of the closure, and quantiles of its parameters.
+    runner : Runner
+    """
+    names = [one.name for one in library.experiments]
+    cases = {}
+    for effect, number, u in wanted:
+        section = library.closures[effect][number].section(u)
+        for one in library.experiments:
+            if acts_in(effect, library.cases[one.name]):
+                case = library.cases[one.name].replace(**{f"effects.{effect}": section})
+                cases[(effect, number), 0, one.name] = (one, case)
+    reading = Reading(library.points, *runner.observations(cases))
+    responses = dict(library.responses)
+    for effect, number, u in wanted:
+        if any(((effect, number), 0, name) in reading.failures for name in names):
+            continue
+        difference = reading.vector((effect, number), 0, library.coarse) - library.coarse
+        before = responses[effect][number]
+        after = Response.fit(
+            np.vstack([before.levels, u]), np.vstack([before.differences, difference])
+        )
+        responses[effect] = [*responses[effect]]
+        responses[effect][number] = after
+    return replace(library, responses=responses)
 
 
 class Reading:
