@@ -178,15 +178,15 @@ def read_labels(path):
     return plan
 
 
-def read_json(path, kind):
-    """A JSON object of a format with `cases`; a defect is one InputError."""
+def read_json(path, kind, part="cases"):
+    """A JSON object of a format with a table `part`; a defect is one InputError."""
     try:
         table = json.loads(read_text(path, "JSON"))
     except (ValueError, RecursionError) as error:
         raise InputError(path, "file", f"broken JSON: {error}", f"a {kind} file") from None
     found = table.get("format") if isinstance(table, dict) else None
-    if found != kind or not isinstance(table.get("cases"), dict):
-        raise InputError(path, "format", repr(found), f"{kind!r} with cases")
+    if found != kind or not isinstance(table.get(part), dict):
+        raise InputError(path, "format", repr(found), f"{kind!r} with {part}")
     return table
 
 
