@@ -191,7 +191,9 @@ class Comparison:
                 chosen = [self.closures[name] for name in pair]
                 variants = [next(e for e in single if e.name == name).variant[0] for name in pair]
                 both = joined(*(own[v] for own, v in zip(chosen, variants, strict=True)))
-                found.append(self.with_effect(gap, seen, "+".join(pair), [both], np.log(PAIR_ODDS)))
+                found.append(
+                    self.with_effect(gap, seen, "+".join(pair), [both], float(np.log(PAIR_ODDS)))
+                )
         found += single
         found.sort(key=lambda each: -(each.log_evidence + each.log_prior))
         return Evidence({each.name: each for each in found})

@@ -149,9 +149,9 @@ def test_kernel_correlates_what_is_one_and_nothing_else():
 def test_amplitude_follows_the_parameters_with_a_floor():
     points = fake_points(1)
     variance = np.zeros(len(points))
-    np.testing.assert_allclose(discrepancy_amplitude(points, variance), 0.1 * points.sigma)
-    variance[points.observable == "front"] = 0.03**2
+    np.testing.assert_allclose(discrepancy_amplitude(points, variance), points.sigma)
+    variance[points.observable == "front"] = 0.3**2
     variance[0] = 0.0
     amplitude = discrepancy_amplitude(points, variance)
-    assert amplitude[1] == pytest.approx(0.03, rel=0.06)
-    assert amplitude[0] == pytest.approx(0.3 * 0.03, rel=0.1)
+    assert amplitude[1] == pytest.approx(0.3 * np.hypot(1.0, 0.3), rel=0.01)
+    assert amplitude[0] == pytest.approx(0.3 * 0.3, rel=0.1)
