@@ -124,7 +124,8 @@ def grain_loss(reading, threshold, view):
 def fallen_grains(reading, threshold, view):
     """Grains that fell off the end of the channel are missing in the volume that is seen."""
     area = trapezoid(view.thickness, view.x, axis=1)
-    return view._replace(volume=np.column_stack([view.time, area / area[0] - 1.0]))
+    most = np.maximum.accumulate(area)  # at t = 0 the nodes miss a part of the upright face
+    return view._replace(volume=np.column_stack([view.time, area / most - 1.0]))
 
 
 READINGS = {
