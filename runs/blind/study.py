@@ -4,10 +4,11 @@
     python -m runs.blind.study fit                          its evidence, and the verdict layer fitted to it
     python -m runs.blind.study make       [--cases 220]     the blind suite; commit runs/blind/SEAL.json
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
+    python -m runs.blind.study reduce     [--ladders 60]    whole diagnoses with an experiment held out
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
 
-The labels stay in out/blind until the seal is opened. `answer` reads no label; `score` does, and also
-computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
+The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
+and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
 after a change of the diagnosis make another one (--out).
 """
 
@@ -18,22 +19,28 @@ import sys
 from pathlib import Path
 
 from fvcollapse.blind.make import SEAL, make
-from fvcollapse.blind.score import score, table, write_scores
+from fvcollapse.blind.metrics import NAMED, reduction_scores
+from fvcollapse.blind.score import answer_of, score, table, write_scores
 from fvcollapse.blind.suite import (
     SIMPLE,
     answers,
+    case_folders,
     cross_validated,
+    design_of,
     distances,
     make_training,
     study,
     train,
     write_answers,
 )
+from fvcollapse.diagnosis.diagnose import diagnose
+from fvcollapse.diagnosis.report import FILE_NAME, read_report
 from fvcollapse.diagnosis.verdict import VerdictModel
-from fvcollapse.errors import FvcollapseError, InputError
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files import write_atomic
 
 HERE = Path(__file__).parent
+REDUCTIONS = "reductions.json"
 TRAINING_SEED = 2026
 
 
@@ -60,6 +67,7 @@ def parse(argv):
     parser.add_argument("--tables", type=Path, default=HERE, help="folder of seal, answers, scores")
     parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
     parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
+    parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
     parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
     parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
     parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
@@ -128,6 +136,32 @@ def answer_blind_suite(arguments):
     return 0
 
 
+def reduce_gaps(arguments):
+    """Diagnose the first cases of several experiments, the last of which is held out."""
+    several = [case for case in case_folders(arguments.out / "blind") if len(design_of(case)) > 1]
+    found = {}
+    for case in several[: arguments.ladders]:
+        report = held_out_report(case, arguments.out / "blind.reports" / case.name, arguments)
+        if report is not None:
+            found[case.name] = answer_of(report)
+    write_answers(arguments.tables / REDUCTIONS, found)
+    print(arguments.tables / REDUCTIONS)
+    return 0
+
+
+def held_out_report(case, folder, arguments):
+    """The report of a case, as it is there or new; None if a run that it needs fails."""
+    if (folder / FILE_NAME).exists():
+        return read_report(folder)
+    *fitted, held_out = (case / name for name in design_of(case))
+    options = options_of(arguments)
+    try:
+        return diagnose(fitted, hold_out=[held_out], folder=folder, **options)
+    except NumericalError as error:
+        print(f"{case.name}: {error}", file=sys.stderr)
+        return None
+
+
 def score_answers(arguments):
     """Distances of the true causes, and all scores."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
@@ -137,6 +171,11 @@ def score_answers(arguments):
         write_atomic(path, (json.dumps(found, indent=1) + "\n").encode(), running=False)
     against = [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
     scores = score(folder, arguments.tables / "answers.json", labels, against, path)
+    if (arguments.tables / REDUCTIONS).exists():
+        whole = json.loads((arguments.tables / REDUCTIONS).read_text(encoding="utf-8"))
+        named = [each for each in whole.values() if each["verdict"] in NAMED]
+        rows = [each["reduction"] for each in named if "reduction" in each]
+        scores["reduction"] = reduction_scores(rows)
     write_scores(arguments.tables / "scores.json", scores)
     print(table(scores))
     return 0
@@ -147,6 +186,7 @@ STEPS = {
     "fit": fit_verdict,
     "make": make_blind_suite,
     "answer": answer_blind_suite,
+    "reduce": reduce_gaps,
     "score": score_answers,
 }
 
