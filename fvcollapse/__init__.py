@@ -13,6 +13,7 @@ PUBLIC = {
     "open_result": "result",
     "observe": "observables",
     "load_experiment": "experiment",
+    "diagnose": "diagnosis.diagnose",
 }
 __all__ = ["__version__", *PUBLIC]
 

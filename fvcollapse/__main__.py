@@ -7,6 +7,7 @@ are one line on stderr. The commands import what they need themselves, so that `
 import argparse
 import os
 import sys
+import textwrap
 from math import isfinite
 from pathlib import Path
 
@@ -55,6 +56,8 @@ def command_line():
     add_converge(commands)
     add_bench(commands)
     add_sweep(commands)
+    add_blind(commands)
+    add_diagnose(commands)
     add_import_curves(commands)
     add_keys(commands)
     return parser
@@ -244,9 +247,15 @@ def bench(arguments):
     return 0
 
 
-def add_workers(parser):
+def add_workers(parser, default=1):
     """Where many runs are made."""
-    parser.add_argument("--workers", metavar="N", type=int, default=1, help="processes; default 1")
+    parser.add_argument(
+        "--workers",
+        metavar="N",
+        type=int,
+        default=default,
+        help=f"processes; default {default}",
+    )
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers run the cases"
     )
@@ -300,6 +309,177 @@ def sweep(arguments):
     for row in failed:
         print(f"{row['point']}: {row['problem']}", file=sys.stderr)
     return 1 if failed else 0
+
+
+def add_blind(commands):
+    """`blind make` and `blind score`: sealed cases with hidden causes, and the scores of answers."""
+    parser = commands.add_parser(
+        "blind",
+        help="make sealed synthetic cases, score the answers to them",
+        description="The blind check of the diagnosis.",
+    )
+    parts = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    add_blind_make(parts)
+    add_blind_score(parts)
+
+
+def add_blind_make(parts):
+    """`blind make`."""
+    parser = parts.add_parser("make", help="make sealed cases", description=blind_make.__doc__)
+    parser.add_argument("--cases", metavar="N", type=int, required=True, help="number of cases")
+    parser.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=Path,
+        required=True,
+        help="one folder per case, and the seal",
+    )
+    parser.add_argument(
+        "--labels", metavar="FILE", type=Path, help="default <FOLDER>.labels.json, beside it"
+    )
+    add_workers(parser)
+    parser.set_defaults(command=blind_make)
+
+
+def blind_make(arguments):
+    """Make experiments that hide an effect, two, none, or a cause outside the catalogue; continue them."""
+    from fvcollapse.blind.make import make
+
+    seal = make(
+        arguments.cases,
+        arguments.out,
+        arguments.labels,
+        workers=arguments.workers,
+        scheduler=arguments.scheduler,
+        quiet=arguments.quiet,
+    )
+    print(seal)
+    return 0
+
+
+def add_blind_score(parts):
+    """`blind score`."""
+    parser = parts.add_parser("score", help="score answers", description=blind_score.__doc__)
+    parser.add_argument(
+        "folder", metavar="FOLDER", type=Path, help="the cases, or their seal alone"
+    )
+    parser.add_argument("answers", metavar="ANSWERS.json", type=Path, help="answers to the cases")
+    parser.add_argument("--labels", metavar="FILE", type=Path, required=True, help="sealed labels")
+    parser.add_argument(
+        "--against",
+        metavar="FILE",
+        type=Path,
+        action="append",
+        default=[],
+        help="other answers to the same cases; may be repeated",
+    )
+    parser.add_argument(
+        "--separability", metavar="FILE", type=Path, help="{case: d}, to score what data can tell"
+    )
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write there, print a table")
+    parser.set_defaults(command=blind_score)
+
+
+def blind_score(arguments):
+    """Open the seal and score the answers: all scores as JSON, with intervals and baselines."""
+    refuse_bad_target(arguments.json)
+    from fvcollapse.blind.score import score, scores_text, table, write_scores
+
+    scores = score(
+        arguments.folder,
+        arguments.answers,
+        arguments.labels,
+        arguments.against,
+        arguments.separability,
+    )
+    if arguments.json is None:
+        print(scores_text(scores), end="")
+        return 0
+    write_scores(arguments.json, scores)
+    print(table(scores))
+    return 0
+
+
+def add_diagnose(commands):
+    """`diagnose`: the gap between experiments and a model."""
+    parser = commands.add_parser(
+        "diagnose",
+        help="where experiments and model differ, which effect causes it, how far adding it helps",
+        description=diagnose.__doc__,
+    )
+    parser.add_argument(
+        "experiments", metavar="EXPERIMENT", nargs="+", type=Path, help="experiment folders"
+    )
+    parser.add_argument(
+        "--case", metavar="CASE.toml", type=Path, help="what is believed; default: no effects"
+    )
+    parser.add_argument(
+        "--hold-out",
+        metavar="EXPERIMENT",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="experiments that only test what was found",
+    )
+    parser.add_argument(
+        "--controls",
+        metavar="EXPERIMENT",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="experiments in which nothing is hidden: they teach the discrepancy of the model",
+    )
+    parser.add_argument(
+        "--effects", metavar="a,b,...", help="only these of the catalogue; default all"
+    )
+    parser.add_argument(
+        "--cell-size",
+        metavar="VALUE",
+        type=float,
+        help="of the coarser of two grids [m]; default a twelfth of the height",
+    )
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of all draws; default 0")
+    parser.add_argument(
+        "--cache", metavar="FOLDER", type=Path, help="where finished runs are kept and found"
+    )
+    add_workers(parser, 2)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="folder of the report"
+    )
+    parser.set_defaults(command=diagnose)
+
+
+def diagnose(arguments):
+    """Compare experiments with a model and its possible effects; continue what is there; write a report."""
+    from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
+    from fvcollapse.diagnosis.report import FILE_NAME
+    from fvcollapse.diagnosis.report_page import PAGE
+    from fvcollapse.diagnosis.report_words import answer
+
+    effects = arguments.effects
+    report = diagnose_all(
+        arguments.experiments,
+        arguments.case,
+        arguments.hold_out,
+        None if effects is None else [name.strip() for name in effects.split(",")],
+        arguments.workers,
+        arguments.scheduler,
+        arguments.out,
+        arguments.cell_size,
+        arguments.seed,
+        controls=arguments.controls,
+        cache=arguments.cache,
+        quiet=arguments.quiet,
+    )
+    for sentence in answer(report):
+        print(textwrap.fill(sentence, 100))
+    print()
+    ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
+    width = max(len(name) for name, _ in ranked)
+    for name, chance in ranked:
+        print(f"{name:<{width}}  {chance:6.3f}")
+    print(f"\n{arguments.out / FILE_NAME}\n{arguments.out / PAGE}")
+    return 0
 
 
 def add_import_curves(commands):

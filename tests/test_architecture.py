@@ -38,6 +38,8 @@ LAYERS = (
     "refinement_figure",
     "refinement_report",
     "verification",
+    "diagnosis",
+    "blind",
     "__init__",
     "__main__",
 )

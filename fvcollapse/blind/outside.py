@@ -1,0 +1,235 @@
+"""Causes outside the catalogue: forces on the grains, other columns, and wrong readings.
+
+Every cause is a dictionary of plain numbers, so that a label can hold it; the function named by its
+`kind` says what it does. The same forces serve as model-form error: a bed whose friction varies
+from place to place.
+"""
+
+from math import cos, radians
+
+import numpy as np
+from scipy.integrate import trapezoid
+
+from fvcollapse.case import GRAVITY
+from fvcollapse.observables import front_position
+
+REST = 0.05  # m/s; friction of a force rises linearly up to this speed, so that rest stays rest
+BRAKE_MAX = 0.5  # largest part of the velocity that a force takes in one step
+
+
+# -- forces: rate [1/s] at which a velocity is damped, negative where it is driven ---------------------
+
+
+def linear_drag(force, x, speed, gravity):
+    """Damping in proportion to the velocity, at `rate` [1/s]."""
+    return np.full_like(speed, force["rate"])
+
+
+def quadratic_drag(force, x, speed, gravity):
+    """Damping over the `length` [m], as that of a surrounding fluid."""
+    return speed / force["length"]
+
+
+def strip(force, x, speed, gravity):
+    """Friction higher (or lower) by `friction` between `first` and `last` [m] along the bed."""
+    inside = (x >= force["first"]) & (x <= force["last"])
+    return np.where(inside, force["friction"], 0.0) * gravity / np.hypot(speed, REST)
+
+
+def uneven_friction(force, x, speed, gravity):
+    """Friction that varies along the bed: a sum of cosines of standard deviation `friction`."""
+    waves, phases = np.asarray(force["waves"]), np.asarray(force["phases"])
+    pattern = np.cos(np.multiply.outer(x, waves) + phases).sum(axis=-1) * (2.0 / len(waves)) ** 0.5
+    return force["friction"] * pattern * gravity / np.hypot(speed, REST)
+
+
+FORCES = {
+    "linear_drag": linear_drag,
+    "quadratic_drag": quadratic_drag,
+    "strip": strip,
+    "uneven_friction": uneven_friction,
+}
+
+
+def brake(forces, u, w, dt, dx, slope_angle_deg):
+    """Let the forces act on a staggered velocity for a step; all depths alike.
+
+    Parameters
+    ----------
+    forces : sequence of dict
+    u, w : (nx + 1, nz), (nx, nz + 1) arrays
+        Changed in place [m/s].
+    dt, dx, slope_angle_deg : float
+        Step [s], cell size along the bed [m], inclination [deg].
+    """
+    gravity = GRAVITY * cos(radians(slope_angle_deg))
+    speed_u, speed_w = np.hypot(u, w_on_xfaces(w)), np.hypot(w, u_on_zfaces(u))
+    x_u = dx * np.arange(len(u))
+    x_w = dx * (np.arange(len(w)) + 0.5)
+    for values, speed, x in ((u, speed_u, x_u), (w, speed_w, x_w)):
+        place = np.broadcast_to(x[:, None], speed.shape)
+        rate = sum(FORCES[force["kind"]](force, place, speed, gravity) for force in forces)
+        values *= 1.0 - np.clip(dt * rate, -BRAKE_MAX, BRAKE_MAX)
+
+
+def w_on_xfaces(w):
+    """Mean of the four w around each x-face; at the ends of the two there."""
+    row = 0.5 * (w[:, :-1] + w[:, 1:])
+    return np.vstack([row[:1], 0.5 * (row[:-1] + row[1:]), row[-1:]])
+
+
+def u_on_zfaces(u):
+    """Mean of the four u around each z-face; at bed and top of the two there."""
+    column = 0.5 * (u[:-1] + u[1:])
+    inner = 0.5 * (column[:, :-1] + column[:, 1:])
+    return np.hstack([column[:, :1], inner, column[:, -1:]])
+
+
+# -- wrong readings ----------------------------------------------------------------------------------------
+
+
+def magnification(reading, threshold, view):
+    """Lengths along the bed are read too long by the part `error`."""
+    factor = 1.0 + reading["error"]
+    return view._replace(x=view.x * factor, front=view.front * [1.0, factor])
+
+
+def clock(reading, threshold, view):
+    """Times are read too long by the part `error`."""
+    factor = 1.0 + reading["error"]
+    return view._replace(
+        time=view.time * factor,
+        front=view.front * [factor, 1.0],
+        volume=view.volume * [factor, 1.0],
+    )
+
+
+def grain_loss(reading, threshold, view):
+    """Grains trickle out under the lateral walls: the part `lost` is gone at the end, evenly over time."""
+    left = 1.0 - reading["lost"] * view.time / view.time[-1]
+    thickness = view.thickness * left[:, None]
+    before = np.array([front_position(view.x, h, threshold) for h in view.thickness])
+    after = np.array([front_position(view.x, h, threshold) for h in thickness])
+    front, volume = view.front.copy(), view.volume.copy()
+    front[:, 1] += np.interp(front[:, 0], view.time, after - before)
+    volume[:, 1] = (1.0 + volume[:, 1]) * np.interp(volume[:, 0], view.time, left) - 1.0
+    return view._replace(
+        thickness=thickness,
+        static_height=view.static_height * left[:, None],
+        front=front,
+        volume=volume,
+    )
+
+
+def fallen_grains(reading, threshold, view):
+    """Grains that fell off the end of the channel are missing in the volume that is seen."""
+    area = trapezoid(view.thickness, view.x, axis=1)
+    most = np.maximum.accumulate(area)  # at t = 0 the nodes miss a part of the upright face
+    return view._replace(volume=np.column_stack([view.time, area / most - 1.0]))
+
+
+READINGS = {
+    "magnification": magnification,
+    "clock": clock,
+    "grain_loss": grain_loss,
+    "fallen_grains": fallen_grains,
+}
+
+
+def read_wrongly(readings, threshold, view):
+    """What is seen of a collapse (`truth.View`) after the wrong readings."""
+    for reading in readings:
+        view = READINGS[reading["kind"]](reading, threshold, view)
+    return view
+
+
+# -- the kinds of unknown ----------------------------------------------------------------------------------
+
+
+def draw_linear_drag(rng, geometry):
+    """Some medium, or a brush of fibres, slows all grains."""
+    return {"forces": [{"kind": "linear_drag", "rate": loguniform(rng, 0.3, 2.0)}]}
+
+
+def draw_quadratic_drag(rng, geometry):
+    """A fluid between the grains slows the fast ones."""
+    return {"forces": [{"kind": "quadratic_drag", "length": loguniform(rng, 0.3, 2.0)}]}
+
+
+def draw_strip(rng, geometry, low, high):
+    """A strip of the bed with another friction."""
+    first = geometry.length_0 + rng.uniform(0.02, 0.15)
+    last = first + rng.uniform(0.10, 0.30)
+    friction = rng.uniform(low, high)
+    return {"forces": [{"kind": "strip", "friction": friction, "first": first, "last": last}]}
+
+
+def draw_rough_strip(rng, geometry):
+    """Sandpaper on a part of the bed."""
+    return draw_strip(rng, geometry, 0.05, 0.30)
+
+
+def draw_slippery_strip(rng, geometry):
+    """A worn part of the bed."""
+    return draw_strip(rng, geometry, -0.25, -0.05)
+
+
+def draw_sloping_surface(rng, geometry):
+    """The column was not levelled: higher at one end, the same volume."""
+    rise = rng.choice([-1.0, 1.0]) * rng.uniform(0.10, 0.30) * geometry.height_0
+    low, high, length = geometry.height_0 - rise, geometry.height_0 + rise, geometry.length_0
+    return {"polygon": [[0.0, 0.0], [length, 0.0], [length, high], [0.0, low]]}
+
+
+def draw_slumped_column(rng, geometry):
+    """The corner at the gate had slumped before the release, the same volume."""
+    length = geometry.length_0
+    start, drop = rng.uniform(0.3, 0.6) * length, rng.uniform(0.25, 0.6) * geometry.height_0
+    top = geometry.height_0 + 0.5 * drop * (length - start) / length
+    return {"polygon": [[0.0, 0.0], [length, 0.0], [length, top - drop], [start, top], [0.0, top]]}
+
+
+def draw_short_channel(rng, geometry):
+    """The channel ends: what goes further falls off."""
+    end = geometry.length_0 + rng.uniform(0.12, 0.30)
+    return {"channel_end": end, "readings": [{"kind": "fallen_grains"}]}
+
+
+def draw_magnification(rng, geometry):
+    """The scale of the camera was taken elsewhere."""
+    return {"readings": [{"kind": "magnification", "error": signed(rng, 0.03, 0.08)}]}
+
+
+def draw_clock(rng, geometry):
+    """The frame rate was not what the camera says."""
+    return {"readings": [{"kind": "clock", "error": signed(rng, 0.04, 0.12)}]}
+
+
+def draw_grain_loss(rng, geometry):
+    """Grains are lost under the lateral walls."""
+    return {"readings": [{"kind": "grain_loss", "lost": rng.uniform(0.04, 0.15)}]}
+
+
+# kind: function (rng, geometry) -> {"forces", "readings", "polygon", "channel_end"}, those that it needs
+UNKNOWNS = {
+    "linear_drag": draw_linear_drag,
+    "rough_strip": draw_rough_strip,
+    "sloping_surface": draw_sloping_surface,
+    "clock": draw_clock,
+    "grain_loss": draw_grain_loss,
+    "quadratic_drag": draw_quadratic_drag,
+    "slippery_strip": draw_slippery_strip,
+    "slumped_column": draw_slumped_column,
+    "magnification": draw_magnification,
+    "short_channel": draw_short_channel,
+}
+
+
+def loguniform(rng, low, high):
+    """A number between two limits, uniform in its logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def signed(rng, low, high):
+    """A number of either sign whose size is between two limits."""
+    return float(rng.choice([-1.0, 1.0]) * rng.uniform(low, high))

@@ -1,0 +1,97 @@
+"""The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
+
+import io
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.align import as_grid
+from fvcollapse.blind.outside import brake, read_wrongly
+from fvcollapse.case import case_from_text
+from fvcollapse.console import progress_bar
+from fvcollapse.extract import extract_image, open_image
+from fvcollapse.files import write_atomic
+from fvcollapse.observables import observe
+from fvcollapse.output import Job
+from fvcollapse.result import Result, open_result
+from fvcollapse.simulation import Simulation
+
+
+class View(NamedTuple):
+    """What is seen of a collapse, without noise; SI units, t = 0 when the gate starts.
+
+    `front` (n, 2) and `volume` (n, 2) are time and value; `thickness` and `static_height` (m, nx)
+    are over `time` (m,) and `x` (nx,).
+    """
+
+    front: np.ndarray
+    volume: np.ndarray
+    time: np.ndarray
+    x: np.ndarray
+    thickness: np.ndarray
+    static_height: np.ndarray
+
+
+class ForcedSimulation(Simulation):
+    """A simulation on whose grains further forces act, between advection and the implicit solve."""
+
+    def __init__(self, case, forces, state=None):
+        self.forces = forces
+        super().__init__(case, state)
+
+    def _advect_momentum(self, old_level_set, dt):
+        u_star, w_star = super()._advect_momentum(old_level_set, dt)
+        slope = self.case.geometry.slope_angle_deg
+        brake(self.forces, u_star, w_star, dt, self.spacing[0], slope)
+        return u_star, w_star
+
+
+class ForcedJob(Job):
+    """A `Job` of a `ForcedSimulation`, from t = 0."""
+
+    def __init__(self, case, forces):
+        super().__init__(case)
+        self.simulation = ForcedSimulation(case, forces)
+
+
+def run_truth(case, forces):
+    """The `Result` of a case with forces, without fields.
+
+    Raises
+    ------
+    NumericalError
+    """
+    job = ForcedJob(case, forces) if forces else Job(case)
+    with progress_bar(case, 0.0, quiet=True) as bar:
+        job.march(bar)
+    return open_image(extract_image(Result(io.BytesIO(job.result_image(complete=True)))))
+
+
+def keep_truth(case_text, forces, path):
+    """Run a truth into a file, unless it is there.
+
+    Raises
+    ------
+    NumericalError, OutputError
+    """
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(path, extract_image(run_truth(case_from_text(case_text), forces)))
+
+
+def view_of(path, threshold, readings):
+    """What is seen of the truth in a file.
+
+    Parameters
+    ----------
+    path : Path
+    threshold : float
+        Thickness that defines the front [m].
+    readings : sequence of dict
+        Wrong readings, see `outside`.
+    """
+    seen = observe(open_result(path), front_thickness=threshold)
+    time, x, thickness = as_grid(seen.profiles)
+    static_height = as_grid(seen.interface)[2]
+    view = View(seen.front, seen.volume, time, x, thickness, static_height)
+    return read_wrongly(readings, threshold, view)

@@ -1,0 +1,116 @@
+"""What experiments in which nothing is hidden teach about the model: its discrepancy, not its rheology.
+
+The gaps of the controls are explained by U, the covariance of everything that is known to be uncertain,
+and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with the correlation rho
+between runs, S one factor for each observable. The factors and rho are those that make the gaps of the
+controls most probable. Given these gaps, the discrepancy of another run has a mean and a covariance
+(Gaussian conditioning): with them it is judged.
+
+References
+----------
+Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.optimize import minimize
+
+from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
+
+# logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
+# change of volume, of which its parameters know nothing
+FACTOR_MEDIAN, FACTOR_SPREAD = 0.3, 3.0
+CORRELATIONS = (0.02, 0.98)  # range of rho
+CORRELATION_SPREAD = 1.5  # of its logit
+FIRST_STEP = 0.7  # of the search
+
+
+class Discrepancy(NamedTuple):
+    """What was learned: factor of each observable, correlation between runs, and S K S (N, N)."""
+
+    factors: dict
+    correlation: float
+    covariance: np.ndarray
+
+
+class Conditioned(NamedTuple):
+    """Mean (n,) and covariance (n, n) of the gap of some points, given that of others."""
+
+    mean: np.ndarray
+    covariance: np.ndarray
+
+
+def learn(points, given, gap, covariance, kernel):
+    """The `Discrepancy` that the controls show.
+
+    Parameters
+    ----------
+    points : Points
+        Of experiments and controls.
+    given : (N,) bool array
+        Points of the controls whose gap is known (a bound is no gap).
+    gap : (N,) array
+        Simulated - measured.
+    covariance, kernel : (N, N) arrays
+        U and K_delta.
+    """
+    observable, run = points.observable, points.experiment
+    names = np.unique(observable[given]).tolist()
+    own = np.ix_(given, given)
+    seen, known = gap[given], covariance[own]
+    same_run = run[:, None] == run
+
+    def scaled(parameters):
+        """S K S and the factors."""
+        factors = dict(zip(names, np.exp(parameters[:-1]).tolist(), strict=True))
+        low, high = CORRELATIONS
+        rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
+        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable])
+        between = np.where(same_run, 1.0, rho / BETWEEN_RUNS)
+        return factors, rho, between * kernel * np.outer(factor, factor)
+
+    def cost(parameters):
+        """Minus the logarithm of likelihood and prior."""
+        total = known + scaled(parameters)[2][own]
+        try:
+            factor = cho_factor(total, lower=True, check_finite=False)
+        except LinAlgError:
+            return 1.0e10
+        log_determinant = 2.0 * np.log(np.diag(factor[0])).sum()
+        fit = 0.5 * (seen @ cho_solve(factor, seen, check_finite=False) + log_determinant)
+        shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
+        return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
+
+    start = np.append(np.log(first_factors(names, observable[given], seen, kernel[own])), 0.0)
+    simplex = np.vstack([start, start + FIRST_STEP * np.eye(len(start))])
+    options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02}
+    best = minimize(cost, start, method="Nelder-Mead", options=options)
+    return Discrepancy(*scaled(best.x))
+
+
+def first_factors(names, observable, gap, kernel):
+    """Factors (n,) that give each observable the root mean square of its gap."""
+    mean = {name: np.mean(gap[observable == name] ** 2) for name in names}
+    own = {name: np.mean(np.diag(kernel)[observable == name]) for name in names}
+    return np.array([np.sqrt(max(mean[name] / own[name], 1.0e-4)) for name in names])
+
+
+def condition(given, wanted, gap, covariance):
+    """The `Conditioned` gap of some points, given that of others.
+
+    Parameters
+    ----------
+    given, wanted : (N,) bool arrays
+    gap : (N,) array
+        Known where `given`.
+    covariance : (N, N) array
+        Of all gaps, the learned discrepancy included.
+    """
+    across = covariance[np.ix_(wanted, given)]
+    factor = cho_factor(covariance[np.ix_(given, given)], lower=True, check_finite=False)
+    mean = across @ cho_solve(factor, gap[given], check_finite=False)
+    spread = across @ cho_solve(factor, across.T, check_finite=False)
+    own = covariance[np.ix_(wanted, wanted)] - spread
+    return Conditioned(mean, 0.5 * (own + own.T))

@@ -1,0 +1,144 @@
+"""Where simulation and experiment differ, which effect causes it, and how far the gap shrinks with it."""
+
+import time
+from pathlib import Path
+
+from fvcollapse.case import Case, load_case
+from fvcollapse.diagnosis.analysis import analyse
+from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
+from fvcollapse.diagnosis.findings import report_of
+from fvcollapse.diagnosis.next_experiment import choices
+from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.reduction import climb
+from fvcollapse.diagnosis.report import NONE, UNKNOWN, Cost, read_report, write_report
+from fvcollapse.diagnosis.report_page import write_page
+from fvcollapse.diagnosis.verdict import VerdictModel, verdict
+from fvcollapse.errors import InputError, OutputError
+from fvcollapse.experiment import Experiment, load_experiment
+
+
+def diagnose(
+    experiments,
+    case=None,
+    hold_out=(),
+    effects=None,
+    workers=2,
+    scheduler=None,
+    folder=None,
+    cell_size=None,
+    seed=0,
+    *,
+    controls=(),
+    cache=None,
+    draws=DRAWS,
+    quiet=True,
+):
+    """Diagnose the gap between experiments and the model that is believed.
+
+    All runs go through the cache of runs: an interrupted diagnosis continues where it was with the same
+    call, and the next one with the same set-up finds most of its runs done.
+
+    Parameters
+    ----------
+    experiments, hold_out, controls : sequences of Experiment, or of folders
+        Those to fit; those that only test what was found; those in which nothing is hidden, which teach
+        the discrepancy of the model.
+    case : Case or path, optional
+        What is believed; without it the defaults with the set-up of each experiment, no effects.
+    effects : sequence of str, optional
+        Only these effects of the catalogue; default all.
+    workers, scheduler, quiet
+        See `workers.run_all`.
+    folder : str or Path, optional
+        Gets `report.json`, `report.html` and `figures/`.
+    cell_size : float, optional
+        Of the coarser of the two grids [m]; default height / 12 (length / 6 if that is less).
+    seed : int
+    cache : str or Path, optional
+        Folder of the cache of runs; default that of the user.
+    draws : int
+        Size of the ensemble of calibrated parameters.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    InputError
+        Bad input, before anything is run.
+    NumericalError
+        The baseline fails.
+    """
+    start = time.perf_counter()
+    experiments, hold_out, controls = map(load_all, (experiments, hold_out, controls))
+    if not experiments:
+        raise InputError("command line", "EXPERIMENT", "none", "one experiment or more")
+    choose_points((*experiments, *hold_out, *controls))  # refuses a name twice
+    if case is not None and not isinstance(case, Case):
+        case = load_case(case)
+    if folder is not None:
+        make_folder(folder)
+    runner = Runner(cache, workers, scheduler, quiet)
+    model = VerdictModel.load()
+    analysis = analyse(
+        experiments,
+        runner,
+        case,
+        effects=effects,
+        controls=controls,
+        cell_size=cell_size,
+        draws=draws,
+        seed=seed,
+    )
+    answer = verdict(analysis.evidence, model, analysis.separability)
+    winner, runner_up = contenders(analysis, answer)
+    ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)
+    following = choices(analysis, answer.probability, runner)
+    first = experiments[0]
+    coarse = analysis.library.cases[first.name].grid.cell_size
+    cost = Cost(
+        solver_runs=len(runner.asked),
+        wall_time_s=time.perf_counter() - start,
+        cell_size=coarse,
+        cached_runs=len(runner.asked - runner.computed),
+    )
+    baseline = baseline_cases([first], case, cell_size)[first.name]
+    report = report_of(analysis, answer, ladder, following, baseline, cost, model)
+    if folder is not None:
+        report = read_report(write_report(report, folder))
+        write_page(report, folder)
+    return report
+
+
+def load_all(experiments):
+    """Experiments, read where a folder is given."""
+    return tuple(
+        one if isinstance(one, Experiment) else load_experiment(one) for one in experiments
+    )
+
+
+def make_folder(folder):
+    """Make the folder of the report before anything is computed."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(folder, error, running=False) from None
+
+
+def contenders(analysis, answer):
+    """(winner, runner-up) for the ladder: names of hypotheses, None where there is none.
+
+    Where nothing is missing there is no winner; where the cause is unknown the best effects of the
+    catalogue show how little they explain.
+    """
+    ranked = [
+        name
+        for name in sorted(answer.probability, key=lambda name: -answer.probability[name])
+        if name not in (NONE, UNKNOWN) and name in analysis.evidence.hypotheses
+    ]
+    if answer.kind == NONE or not ranked:
+        return None, None
+    pair = "+".join(sorted(answer.effects))
+    winner = pair if pair in analysis.evidence.hypotheses else ranked[0]
+    return winner, next((name for name in ranked if name != winner), None)

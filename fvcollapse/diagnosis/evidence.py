@@ -1,0 +1,495 @@
+"""Evidence of every effect, of none and of something unknown, given one gap.
+
+With gap = simulated - measured, and Delta_k(u) the response to effect k,
+
+    p(D | k) = sum_s w_s  integral over [0, 1]^d of  N(gap + Delta_k(u); 0, C_k(s, u)) du,
+    C_k(s, u) = U + s^2 K_delta + Sigma_emulator,k(u).
+
+"none" is Delta = 0 with the same discrepancies s; "unknown" is Delta = 0 with large ones, a discrepancy
+promoted to a hypothesis. Closures of one effect share its prior equally. Two effects together are
+opened if the best single one fails its predictive check.
+
+A bound (kind upper or lower) contributes the probability, given all values, that it holds: one that
+is far from being reached contributes nothing.
+
+Raw evidences are over-confident; the verdict layer turns them into probabilities.
+
+References
+----------
+Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773; Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425;
+Mendell & Elston (1974), Biometrics 30, 41 (probability of several bounds, one after the other).
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.special import log_ndtr, logsumexp
+from scipy.stats import chi2, qmc
+
+DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
+UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
+CAUCHY = 0.15  # scale of the half-Cauchy prior of s; the grid is even in log s
+PAIR_ODDS = 0.1
+PAIRS_OF_BEST = 4  # pairs are formed of these only
+CHECK_FAILS = 0.05  # p-value of the predictive check below which a hypothesis fails it
+WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
+NODES = {1: 128}  # of the quadrature; in more dimensions:
+NODES_SOBOL = 1024
+LEAST_NODES = 40.0  # effective number below which the nodes are drawn together
+NEGLIGIBLE = 14.0  # log-likelihood below the maximum that is cut off in doing so
+ROUNDS = 8
+
+
+class Hypothesis(NamedTuple):
+    """What the data say of one hypothesis.
+
+    Attributes
+    ----------
+    name : str
+        An effect, "none", "unknown", or two effects joined by "+" in alphabetical order.
+    log_evidence, log_evidence_wide : float
+        ln p(D | k); the same with a prior twice as wide in every dimension.
+    log_prior : float
+        0, of pairs ln 0.1.
+    sigma : float
+        Most probable s of the grid.
+    variant : tuple of int
+        Most probable closure of each effect; empty for none and unknown.
+    u, low, high : (d,) arrays
+        Most probable quantiles of the parameters (of a pair: of both), 5 % and 95 % of the posterior.
+    p_value : float
+        Chi-square of the residual at u and sigma, of all points.
+    p_by_run, p_by_phase : dict
+        The same for each experiment, and for each (experiment, phase).
+    residual_outside : float
+        Mean square of the whitened residual outside the span of all responses; about 1 if the
+        covariance describes the data.
+    difference : (N,) array
+        Delta_k(u).
+    """
+
+    name: str
+    log_evidence: float
+    log_evidence_wide: float
+    log_prior: float
+    sigma: float
+    variant: tuple
+    u: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    p_value: float
+    p_by_run: dict
+    p_by_phase: dict
+    residual_outside: float
+    difference: np.ndarray
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All hypotheses by name, the one of the largest evidence x prior odds first."""
+
+    hypotheses: dict
+
+    @property
+    def best(self):
+        """The first `Hypothesis`."""
+        return next(iter(self.hypotheses.values()))
+
+    def log_evidence(self):
+        """{name: ln p(D | k)}."""
+        return {name: each.log_evidence for name, each in self.hypotheses.items()}
+
+    def posterior(self, temperature=1.0):
+        """{name: probability} from evidences and prior odds; a temperature > 1 tempers them."""
+        logs = [each.log_evidence + each.log_prior for each in self.hypotheses.values()]
+        logs = np.array(logs) / temperature
+        return dict(zip(self.hypotheses, np.exp(logs - logsumexp(logs)).tolist(), strict=True))
+
+
+class Closure(NamedTuple):
+    """One closure of an effect (or of two) among all columns that are whitened."""
+
+    variant: tuple
+    responses: tuple
+    levels: np.ndarray  # columns of the differences
+    errors: np.ndarray  # and of the errors of the emulator
+
+
+class Posterior(NamedTuple):
+    """Likelihood over the quantiles of one closure; `log_likelihood` (q, number of s)."""
+
+    log_evidence: float
+    nodes: np.ndarray
+    log_likelihood: np.ndarray
+
+
+def compare(gap, covariance, kernel, responses, points=None):
+    """Evidence of every effect.
+
+    Parameters
+    ----------
+    gap : (N,) array
+        Simulated - measured, also where the measurement is a bound; simulated: the ensemble mean.
+    covariance, kernel : (N, N) arrays
+        U and K_delta.
+    responses : dict
+        Name -> `Response`, or a sequence of them, one for each closure.
+    points : Points, optional
+        Says which points are bounds, and to which run and phase each belongs.
+
+    Returns
+    -------
+    Evidence
+    """
+    return Comparison(covariance, kernel, responses, points).evidence(gap)
+
+
+class Comparison:
+    """`compare` for many gaps that share covariance and responses."""
+
+    def __init__(self, covariance, kernel, responses, points=None):
+        self.covariance, self.kernel = covariance, kernel
+        kind = np.full(len(covariance), "value") if points is None else points.kind
+        self.values, self.bounds = np.flatnonzero(kind == "value"), np.flatnonzero(kind != "value")
+        self.side = np.where(kind[self.bounds] == "upper", 1.0, -1.0)
+        self.runs, self.phases = {}, {}
+        if points is not None:
+            experiment, phase = points.experiment, points.phase
+            self.runs = {name: experiment == name for name in points.names}
+            for name, own in self.runs.items():
+                for part in np.unique(phase[own]):
+                    self.phases[name, str(part)] = own & (phase == part)
+        self.closures, columns, count = {}, [], 0
+        for name, given in responses.items():
+            given = given if isinstance(given, list | tuple) else (given,)
+            self.closures[name] = []
+            for variant, response in enumerate(given):
+                levels = count + np.arange(len(response.differences))
+                errors = levels[-1] + 1 + np.arange(len(response.errors))
+                count = levels[-1] + 1 + len(errors)
+                columns += [response.differences, response.errors]
+                self.closures[name].append(Closure((variant,), (response,), levels, errors))
+        self.columns = np.vstack([*columns, np.empty((0, len(covariance)))]).T
+        sigmas = (*DISCREPANCIES, *UNKNOWN_DISCREPANCIES)
+        self.whitened = {sigma: Whitened(self, sigma) for sigma in sigmas}
+
+    def evidence(self, gap):
+        """The `Evidence` of a gap (N,)."""
+        seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
+        found = [
+            self.without_effect(gap, seen, "none", DISCREPANCIES),
+            self.without_effect(gap, seen, "unknown", UNKNOWN_DISCREPANCIES),
+        ]
+        single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
+        single.sort(key=lambda each: -each.log_evidence)
+        if len(single) > 1 and single[0].p_value < CHECK_FAILS:
+            for pair in combinations(sorted(each.name for each in single[:PAIRS_OF_BEST]), 2):
+                chosen = [self.closures[name] for name in pair]
+                variants = [next(e for e in single if e.name == name).variant[0] for name in pair]
+                both = joined(*(own[v] for own, v in zip(chosen, variants, strict=True)))
+                found.append(
+                    self.with_effect(gap, seen, "+".join(pair), [both], float(np.log(PAIR_ODDS)))
+                )
+        found += single
+        found.sort(key=lambda each: -(each.log_evidence + each.log_prior))
+        return Evidence({each.name: each for each in found})
+
+    def without_effect(self, gap, seen, name, sigmas):
+        """The hypothesis that no effect acts."""
+        logs = np.array([seen[sigma].log_likelihood() for sigma in sigmas])
+        log_weights = sigma_weights(sigmas)
+        total = float(logsumexp(logs + log_weights))
+        sigma = float(sigmas[np.argmax(logs + log_weights)])
+        nothing, difference = np.empty(0), np.zeros(len(gap))
+        checks = self.checks(gap, seen[sigma], difference, None)
+        return Hypothesis(
+            name, total, total, 0.0, sigma, (), nothing, nothing, nothing, *checks, difference
+        )
+
+    def with_effect(self, gap, seen, name, closures, log_prior=0.0):
+        """The hypothesis that one effect, or two, act."""
+        posteriors = [integrate(seen, closure, (0.0, 1.0)) for closure in closures]
+        wide = [integrate(seen, closure, WIDE).log_evidence for closure in closures]
+        logs = np.array([each.log_evidence for each in posteriors])
+        chosen = int(np.argmax(logs))
+        closure, posterior = closures[chosen], posteriors[chosen]
+        row, column = np.unravel_index(
+            np.argmax(posterior.log_likelihood), posterior.log_likelihood.shape
+        )
+        u, sigma = posterior.nodes[row], float(DISCREPANCIES[column])
+        low, high = intervals(posterior)
+        difference, errors = response_at(closure, u)
+        checks = self.checks(gap, seen[sigma], difference, errors)
+        share = np.log(len(closures))
+        log_evidence, log_wide = float(logsumexp(logs) - share), float(logsumexp(wide) - share)
+        return Hypothesis(
+            *(name, log_evidence, log_wide, log_prior, sigma, closure.variant, u, low, high),
+            *(*checks, difference),
+        )
+
+    def checks(self, gap, seen, difference, errors):
+        """(p, p by run, p by phase, mean square outside the responses) of a residual."""
+        residual = gap + difference
+        counted = np.ones(len(gap), bool)
+        counted[self.bounds] = self.side * residual[self.bounds] > 0.0
+        check = partial(seen.whitened.chi_square_p, residual, errors)
+        by_run = {name: check(counted & own) for name, own in self.runs.items()}
+        by_phase = {key: check(counted & own) for key, own in self.phases.items()}
+        return check(counted), by_run, by_phase, seen.outside(difference)
+
+
+class Whitened:
+    """All columns multiplied by the inverse Cholesky factor of C(s), and their products."""
+
+    def __init__(self, comparison, sigma):
+        values, bounds = comparison.values, comparison.bounds
+        self.values, self.bounds, self.side = values, bounds, comparison.side
+        self.full = comparison.covariance + sigma**2 * comparison.kernel
+        self.factor = cholesky(self.full[np.ix_(values, values)], lower=True, check_finite=False)
+        self.log_determinant = 2.0 * np.log(np.diag(self.factor)).sum()
+        self.columns = self.solve(comparison.columns[values])
+        self.products = self.columns.T @ self.columns
+        self.coupling = self.solve(self.full[np.ix_(values, bounds)]).T
+        self.bound_columns = comparison.columns[bounds]
+        self.bound_covariance = self.full[np.ix_(bounds, bounds)] - self.coupling @ self.coupling.T
+        self.span, self.factors = None, {}
+
+    def solve(self, columns):
+        """Inverse Cholesky factor times columns."""
+        return solve_triangular(self.factor, columns, lower=True, check_finite=False)
+
+    def see(self, gap):
+        """The gap whitened in the same way."""
+        return Seen(self, gap)
+
+    def chi_square_p(self, residual, errors, mask):
+        """Probability of a larger chi-square of the masked points; 1 where there is none.
+
+        `errors` (m, N), whose squares are added to the covariance, may be None.
+        """
+        rows = np.flatnonzero(mask)
+        if len(rows) == 0:
+            return 1.0
+        key = rows.tobytes()
+        if key not in self.factors:
+            part = self.full[np.ix_(rows, rows)]
+            self.factors[key] = cholesky(part, lower=True, check_finite=False)
+        columns = residual[rows, None]
+        if errors is not None:
+            columns = np.hstack([columns, errors[:, rows].T])
+        white = solve_triangular(self.factors[key], columns, lower=True, check_finite=False)
+        products = white.T @ white
+        square, met, spread = products[0, 0], products[0, 1:], products[1:, 1:]
+        square -= met @ np.linalg.solve(np.eye(len(met)) + spread, met)
+        return float(chi2.sf(square, len(rows)))
+
+    def basis(self):
+        """Orthonormal basis of the whitened columns; computed once."""
+        if self.span is None:
+            if self.columns.shape[1] == 0:
+                self.span = self.columns
+            else:
+                left, size, _ = np.linalg.svd(self.columns, full_matrices=False)
+                self.span = left[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
+        return self.span
+
+
+class Seen:
+    """A gap through the eyes of one C(s)."""
+
+    def __init__(self, whitened, gap):
+        self.whitened = whitened
+        self.gap = whitened.solve(gap[whitened.values])
+        self.bound_gap = gap[whitened.bounds]
+        self.square = float(self.gap @ self.gap)
+        self.projections = whitened.columns.T @ self.gap
+
+    def log_likelihood(self):
+        """Log-likelihood without an effect."""
+        own = self.whitened
+        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
+        expected = own.coupling @ self.gap
+        beyond = own.side * (expected - self.bound_gap)
+        return -0.5 * (self.square + constant) + float(
+            log_probability_positive(beyond[None], own.bound_covariance[None], own.side)[0]
+        )
+
+    def log_likelihood_with(self, closure, weights, variance):
+        """Log-likelihood with an effect, (q,).
+
+        Parameters
+        ----------
+        closure : Closure
+        weights : (q, n) array
+            Of the levels at the q nodes.
+        variance : (q,) array
+            Factor of the squared errors of the emulator there.
+        """
+        own, levels, errors = self.whitened, closure.levels, closure.errors
+        square = self.square + 2.0 * (weights @ self.projections[levels])
+        square += ((weights @ own.products[np.ix_(levels, levels)]) * weights).sum(1)
+        # errors = latent amplitudes of variance `variance`: Sherman-Morrison-Woodbury in their eigenbasis
+        size, turn = np.linalg.eigh(own.products[np.ix_(errors, errors)])
+        size = np.maximum(size, 0.0)
+        met = self.projections[errors] + weights @ own.products[np.ix_(levels, errors)]
+        met = met @ turn
+        growth = 1.0 + variance[:, None] * size
+        shrunk = variance[:, None] / growth
+        square -= (met**2 * shrunk).sum(1)
+        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
+        log_values = -0.5 * (square + constant + np.log(growth).sum(1))
+        if len(own.bounds) == 0:
+            return log_values
+        # the bounds, given the values: mean and covariance of what they miss
+        error_columns = own.columns[:, errors] @ turn
+        own_errors = own.bound_columns[:, errors] @ turn - own.coupling @ error_columns
+        residual = self.bound_gap + weights @ own.bound_columns[:, levels].T
+        expected = own.coupling @ self.gap + weights @ (own.coupling @ own.columns[:, levels]).T
+        expected = expected + (met * shrunk) @ own_errors.T
+        spread = np.einsum("im,qm,jm->qij", own_errors, shrunk, own_errors) + own.bound_covariance
+        beyond = own.side * (expected - residual)
+        return log_values + log_probability_positive(beyond, spread, own.side)
+
+    def outside(self, difference):
+        """Mean square of the whitened residual outside the span of all responses."""
+        basis = self.whitened.basis()
+        residual = self.gap + self.whitened.solve(difference[self.whitened.values])
+        rest = residual - basis @ (basis.T @ residual)
+        return float(rest @ rest / max(len(rest) - basis.shape[1], 1))
+
+
+def log_probability_positive(mean, covariance, side):
+    """Logarithm of P(side x > 0 for all components), (q,); exact for one, Mendell-Elston for more.
+
+    Parameters
+    ----------
+    mean : (q, n) array
+        Of side x.
+    covariance : (q or 1, n, n) array
+        Of x.
+    side : (n,) array
+        +1 or -1.
+    """
+    mean = mean.copy()
+    covariance = np.broadcast_to(covariance, (len(mean), *covariance.shape[1:]))
+    covariance = covariance * side[:, None] * side
+    total = np.zeros(len(mean))
+    for i in range(mean.shape[1]):
+        deviation = np.sqrt(covariance[:, i, i])
+        z = mean[:, i] / deviation
+        log_p = log_ndtr(z)
+        total += log_p
+        # moments of a normal variable that is known to be positive
+        ratio = np.exp(-0.5 * z**2 - 0.5 * np.log(2.0 * np.pi) - log_p)
+        shrink = ratio * (ratio + z)
+        row = covariance[:, i] / deviation[:, None]
+        mean = mean + ratio[:, None] * row
+        covariance = covariance - shrink[:, None, None] * row[:, :, None] * row[:, None, :]
+    return total
+
+
+def joined(first, second):
+    """The closure of two effects together."""
+    return Closure(
+        first.variant + second.variant,
+        first.responses + second.responses,
+        np.concatenate([first.levels, second.levels]),
+        np.concatenate([first.errors, second.errors]),
+    )
+
+
+def level_weights(closure, u):
+    """Weights (q, n) of the levels of a closure and variance (q,) of its errors.
+
+    Of two effects the larger variance holds for the errors of both.
+    """
+    weights, variances, start = [], [], 0
+    for response in closure.responses:
+        own, variance = response.weights(u[:, start : start + response.dimension])
+        start += response.dimension
+        weights.append(own)
+        variances.append(variance)
+    return np.hstack(weights), np.max(variances, axis=0)
+
+
+def response_at(closure, u):
+    """Difference (N,) and errors (m, N), whose squares sum to their covariance, at u (d,)."""
+    weights, variance = level_weights(closure, u[None])
+    levels = np.vstack([each.differences for each in closure.responses])
+    errors = np.vstack([each.errors for each in closure.responses])
+    return weights[0] @ levels, np.sqrt(variance[0]) * errors
+
+
+def sigma_weights(sigmas):
+    """Logarithms of the prior weights of a grid of s."""
+    if sigmas is UNKNOWN_DISCREPANCIES:
+        return np.full(len(sigmas), -np.log(len(sigmas)))
+    weights = sigmas / (1.0 + (sigmas / CAUCHY) ** 2)
+    return np.log(weights / weights.sum())
+
+
+def integrate(seen, closure, limits):
+    """The `Posterior` of a closure whose prior is uniform between the same limits in all dimensions.
+
+    Quasi-random nodes (midpoints in one dimension) are drawn together where the likelihood is, until
+    enough of them count.
+    """
+    d = sum(response.dimension for response in closure.responses)
+    low, high = np.full(d, limits[0]), np.full(d, limits[1])
+    log_share = 0.0
+    unit = unit_nodes(d)
+    for _ in range(ROUNDS):
+        nodes = low + unit * (high - low)
+        log_likelihood = likelihood(seen, closure, nodes)
+        total = logsumexp(log_likelihood, axis=1)
+        weights = np.exp(total - total.max())
+        if weights.sum() ** 2 / (weights**2).sum() >= LEAST_NODES:
+            break
+        inside = nodes[total > total.max() - NEGLIGIBLE]
+        margin = 2.0 * (high - low) / len(unit) ** (1.0 / d)
+        new_low = np.maximum(low, inside.min(axis=0) - margin)
+        new_high = np.minimum(high, inside.max(axis=0) + margin)
+        shrunk = np.log((new_high - new_low) / (high - low)).sum()
+        if shrunk > -0.05:
+            break
+        log_share += shrunk
+        low, high = new_low, new_high
+    else:
+        nodes = low + unit * (high - low)
+        log_likelihood = likelihood(seen, closure, nodes)
+        total = logsumexp(log_likelihood, axis=1)
+    log_evidence = float(logsumexp(total) - np.log(len(total)) + log_share)
+    return Posterior(log_evidence, nodes, log_likelihood)
+
+
+def likelihood(seen, closure, nodes):
+    """Log-likelihood x weight of s, (q, number of s)."""
+    weights, variance = level_weights(closure, nodes)
+    parts = [seen[s].log_likelihood_with(closure, weights, variance) for s in DISCREPANCIES]
+    return np.column_stack(parts) + sigma_weights(DISCREPANCIES)
+
+
+def unit_nodes(d):
+    """Nodes of the quadrature on [0, 1]^d, (q, d)."""
+    if d in NODES:
+        return (np.arange(NODES[d])[:, None] + 0.5) / NODES[d]
+    return qmc.Sobol(d, seed=0).random(NODES_SOBOL)
+
+
+def intervals(posterior, level=0.9):
+    """Ends (d,), (d,) of the central posterior intervals of the quantiles."""
+    total = logsumexp(posterior.log_likelihood, axis=1)
+    weights = np.exp(total - logsumexp(total))
+    ends = []
+    for share in (0.5 * (1.0 - level), 0.5 * (1.0 + level)):
+        end = []
+        for column in posterior.nodes.T:
+            order = np.argsort(column)
+            middle = np.cumsum(weights[order]) - 0.5 * weights[order]
+            end.append(np.interp(share, middle, column[order]))
+        ends.append(np.array(end))
+    return ends

@@ -1,0 +1,326 @@
+"""What to measure next: the set-up that would best separate the hypotheses that are left.
+
+For every candidate the leading hypotheses are run there at the level nearest to their best values, and so
+is the baseline, once as it is and once with mu_1 one standard deviation off. With means m_j and the
+covariance C of measurement, set-up, calibration and discrepancy, which all hypotheses share,
+
+    U = sum_{j<k} P_j P_k (m_j - m_k)' C^-1 (m_j - m_k)
+
+ranks the candidates (Box & Hill 1967 with equal covariances); how well a strength is known enters C.
+The expected drop of the entropy of the probabilities is computed by simulation, and the number of repeats
+after which the expected logarithm of the Bayes factor of the leading pair reaches 5. Repeats average
+the measurement only.
+
+References
+----------
+Box & Hill (1967), Technometrics 9, 57; Meyer, Steinberg & Box (1996), Technometrics 38, 303.
+"""
+
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.special import logsumexp
+
+from fvcollapse.align import align_curve
+from fvcollapse.curves import FORMS, Curve
+from fvcollapse.diagnosis.covariance import (
+    discrepancy_amplitude,
+    discrepancy_kernel,
+    measurement_covariance,
+)
+from fvcollapse.diagnosis.effect_library import acts_in, with_nuisances
+from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.separability import DISCREPANCY
+from fvcollapse.experiment import Experiment
+
+MOST_HYPOTHESES = 3
+LEAST_PROBABILITY = 0.02  # of a hypothesis that is worth separating
+LEAST_ENTROPY = 0.15  # bit; below it nothing is left to separate
+LOG_BAYES_FACTOR = 5.0
+MOST_REPEATS = 20
+DRAWS = 4000  # of simulated outcomes
+FRAME, PLACE = 0.02, 0.01  # s, m between the simulated readings
+LEAST_THICKNESS = 1.0e-3  # m; thinner places are read as bare
+SLOPES = (-6.0, 6.0)  # deg, from the slope that was measured
+SLOPE_RANGE = (0.0, 24.0)
+WIDTHS = (0.5, 2.0)  # times the channel width that was measured
+HEIGHT = 1.5  # times the height of the column
+
+
+class Candidate(NamedTuple):
+    """A set-up: what is changed in words, {key: value}, observables measured.
+
+    The keys have the same names in the case and in the experiment.
+    """
+
+    words: str
+    changes: dict
+    observables: tuple
+
+
+class Choice(NamedTuple):
+    """What a candidate promises.
+
+    Attributes
+    ----------
+    candidate : Candidate
+    separates : tuple of str
+        The pair of hypotheses that it separates best.
+    gain : float
+        Expected drop of the entropy [bit].
+    utility : float
+        Box-Hill.
+    repeats : int or None
+        None: more than 20, or never.
+    """
+
+    candidate: Candidate
+    separates: tuple
+    gain: float
+    utility: float
+    repeats: int | None
+
+
+def choices(analysis, probability, runner):
+    """The candidates as `Choice`s, the best first; empty where nothing is left to separate.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    probability : dict
+        Of the verdict.
+    runner : Runner
+    """
+    hypotheses = leading(probability, analysis.responses)
+    if len(hypotheses) < 2 or entropy(np.array(list(hypotheses.values()))) < LEAST_ENTROPY:
+        return []
+    reference = reference_experiment(analysis)
+    base = analysis.library.cases[reference.name]
+    planned = candidates(reference, base)
+    wanted, known = {}, mu_1_of(analysis, reference)
+    for number, candidate in enumerate(planned):
+        experiment = set_up(reference, candidate)
+        case = base.replace(**candidate.changes)
+        wanted[number, "base"] = (experiment, case)
+        if known is not None:
+            shifted = with_nuisances(case, experiment.name, [known], [1.0])
+            wanted[number, "mu_1"] = (experiment, shifted)
+        for name in hypotheses:
+            if all(acts_in(part, case) for part in effects_of(name)):
+                wanted[number, name] = (experiment, with_hypothesis(case, analysis, name))
+    seen, _ = runner.observations(wanted)
+    found = []
+    for number, candidate in enumerate(planned):
+        own = {label: each for (n, label), each in seen.items() if n == number}
+        if "base" in own:
+            experiment = set_up(reference, candidate)
+            found.append(judge(analysis, candidate, experiment, own, hypotheses))
+    found.sort(key=lambda choice: -choice.gain)
+    return found
+
+
+def leading(probability, responses):
+    """{name: probability} of the hypotheses that can be run, at most three, summing to 1."""
+    able = {
+        name: value
+        for name, value in probability.items()
+        if value >= LEAST_PROBABILITY and all(part in responses for part in effects_of(name))
+    }
+    able.pop("unknown", None)
+    best = sorted(able, key=lambda name: -able[name])[:MOST_HYPOTHESES]
+    total = sum(able[name] for name in best)
+    return {name: able[name] / total for name in best}
+
+
+def effects_of(name):
+    """Effects of a hypothesis."""
+    return () if name == "none" else tuple(name.split("+"))
+
+
+def reference_experiment(analysis):
+    """The experiment with the largest gap in combined standard uncertainties."""
+    z = analysis.gap_map.z
+    return max(
+        analysis.experiments, key=lambda one: float(np.mean(z[analysis.points.of(one)] ** 2))
+    )
+
+
+def mu_1_of(analysis, reference):
+    """The `Nuisance` mu_1 of an experiment under any name; None if it is not calibrated."""
+    for quantity in analysis.library.quantities:
+        if quantity.key == "rheology.mu_1" and reference.name in quantity.experiments:
+            return quantity._replace(experiments=("candidate",))
+    return None
+
+
+def candidates(reference, base):
+    """The `Candidate`s around an experiment."""
+    measured = tuple(reference.curves) or ("front",)
+    geometry, found = base.geometry, []
+    missing = tuple(name for name in FORMS if name not in measured)
+    if missing:
+        words = f"the same set-up as {reference.name}, with {' and '.join(missing)} measured too"
+        found.append(Candidate(words, {}, (*measured, *missing)))
+    for step in SLOPES:
+        slope = float(np.clip(geometry.slope_angle_deg + step, *SLOPE_RANGE))
+        if abs(slope - geometry.slope_angle_deg) > 0.5 * abs(step):
+            words = f"as {reference.name}, at {slope:g}\N{DEGREE SIGN}"
+            found.append(Candidate(words, {"geometry.slope_angle_deg": slope}, measured))
+    if geometry.channel_width < inf:
+        for factor in WIDTHS:
+            width = factor * geometry.channel_width
+            words = f"as {reference.name}, in a channel {100 * width:g} cm wide"
+            found.append(Candidate(words, {"geometry.channel_width": width}, measured))
+    if 0.0 < base.gate.speed < inf:
+        words = f"as {reference.name}, with the gate removed as fast as possible"
+        found.append(Candidate(words, {"gate.speed": inf, "gate.time_constant": 0.0}, measured))
+    height = HEIGHT * geometry.height_0
+    words = f"as {reference.name}, from a column {100 * height:g} cm high"
+    found.append(Candidate(words, {"geometry.height_0": height}, measured))
+    return found
+
+
+def set_up(reference, candidate):
+    """The `Experiment` of a candidate, without any measurement yet."""
+    settings = reference.settings
+    for path, value in candidate.changes.items():
+        section, _, name = path.partition(".")
+        part = msgspec.structs.replace(getattr(settings, section), **{name: value})
+        settings = msgspec.structs.replace(settings, **{section: part})
+    return Experiment(Path("candidate"), settings, {}, ())
+
+
+def with_hypothesis(case, analysis, name):
+    """The case with the effects of a hypothesis at the level of the library nearest to their values."""
+    changes, first = {}, 0
+    hypothesis = analysis.evidence.hypotheses.get(name)
+    for position, effect in enumerate(effects_of(name)):
+        variant = hypothesis.variant[position] if hypothesis else 0
+        closure = analysis.library.closures[effect][variant]
+        levels = closure.levels()
+        u = (
+            hypothesis.u[first : first + levels.shape[1]]
+            if hypothesis
+            else np.full(levels[0].shape, 0.5)
+        )
+        first += levels.shape[1]
+        nearest = levels[np.argmin(np.linalg.norm(levels - u, axis=1))]
+        changes[f"effects.{effect}"] = closure.section(nearest)
+    return case.replace(**changes) if changes else case
+
+
+# -- what a candidate promises --------------------------------------------------------------------
+
+
+def judge(analysis, candidate, experiment, seen, hypotheses):
+    """The `Choice` of a candidate from its simulated outcomes."""
+    experiment = with_readings(experiment, candidate.observables, seen["base"])
+    points = choose_points((experiment,))
+    values = {label: points.simulated({experiment.name: each}) for label, each in seen.items()}
+    base = values["base"]
+    names = tuple(hypotheses)
+    means = np.array([values.get(name, base) - base for name in names])
+    slope = values.get("mu_1", base) - base
+    measurement = measurement_covariance(
+        points, points.sensitivity({experiment.name: seen["base"]})
+    )
+    kernel = discrepancy_kernel(points, discrepancy_amplitude(points, slope**2))
+    shared = np.outer(slope, slope) + DISCREPANCY**2 * kernel
+    for name, mean in zip(names, means, strict=True):
+        spread = strength_spread(analysis, name) * mean
+        shared = shared + hypotheses[name] * np.outer(spread, spread)
+    white = whitened(means, measurement + shared)
+    chance = np.array([hypotheses[name] for name in names])
+    square = ((white[:, None] - white) ** 2).sum(axis=2)
+    utility = 0.5 * float(chance @ square @ chance)
+    weight = np.triu(np.outer(chance, chance) * square, 1)
+    j, k = np.unravel_index(int(np.argmax(weight)), weight.shape)
+    rng = np.random.default_rng([analysis.seed, 3])
+    return Choice(
+        candidate=candidate,
+        separates=(names[j], names[k]),
+        gain=expected_gain(white, chance, rng),
+        utility=utility,
+        repeats=repeats(means[j] - means[k], measurement, shared),
+    )
+
+
+def whitened(means, covariance):
+    """Means (K, N) multiplied by the inverse Cholesky factor."""
+    factor = cholesky(covariance, lower=True, check_finite=False)
+    return solve_triangular(factor, means.T, lower=True, check_finite=False).T
+
+
+def strength_spread(analysis, name):
+    """Relative standard deviation of the strength of a hypothesis, given the data; 0 for none."""
+    hypothesis = analysis.evidence.hypotheses.get(name)
+    if hypothesis is None or not len(hypothesis.u):
+        return 0.0
+    sides, first = [np.zeros(len(analysis.points)) for _ in range(2)], 0
+    for effect, variant in zip(effects_of(name), hypothesis.variant, strict=True):
+        response = analysis.responses[effect][variant]
+        own = slice(first, first + response.dimension)
+        first += response.dimension
+        sides[0] = sides[0] + response.at(hypothesis.low[own])
+        sides[1] = sides[1] + response.at(hypothesis.high[own])
+    white = whitened(np.array([*sides, hypothesis.difference]), analysis.covariance)
+    size = np.linalg.norm(white[2])
+    return min(1.0, float(np.linalg.norm(white[1] - white[0]) / (3.29 * size))) if size else 0.0
+
+
+def with_readings(experiment, observables, observed):
+    """The experiment with what would be read: the baseline, at every frame and place."""
+    frames = np.arange(FRAME, float(observed.front[-1, 0]), FRAME)
+    places = np.arange(0.5 * PLACE, 1.1 * float(observed.front[:, 1].max()), PLACE)
+    curves = {}
+    for name in observables:
+        form = FORMS[name]
+        grid = len(form.columns) == 3
+        time = np.repeat(frames, len(places)) if grid else frames
+        x = np.tile(places, len(frames)) if grid else None
+        sigma = np.full(len(time), experiment.standard_deviation(form.uncertainty))
+        curves[name] = Curve(time, x, np.zeros(len(time)), sigma)
+    read = replace(experiment, curves=curves)
+    for name, curve in curves.items():
+        curves[name] = curve._replace(value=align_curve(observed, read, name).simulated)
+    return read
+
+
+def expected_gain(white, chance, rng):
+    """Expected drop of the entropy of the probabilities by one outcome [bit].
+
+    Parameters
+    ----------
+    white : (K, N) array
+        Whitened means.
+    chance : (K,) array
+    rng : numpy.random.Generator
+    """
+    left, size, _ = np.linalg.svd(white - white.mean(axis=0), full_matrices=False)
+    place = left * size  # the hypotheses differ in these directions only
+    truth = rng.choice(len(chance), DRAWS, p=chance)
+    outcome = place[truth] + rng.standard_normal((DRAWS, place.shape[1]))
+    logs = np.log(chance) - 0.5 * ((outcome[:, None] - place) ** 2).sum(axis=2)
+    after = np.exp(logs - logsumexp(logs, axis=1, keepdims=True))
+    drop = entropy(chance) - np.mean([entropy(row) for row in after])
+    return max(0.0, float(drop))
+
+
+def entropy(chance):
+    """Entropy of probabilities [bit]."""
+    inside = chance[chance > 0.0]
+    return float(-(inside * np.log2(inside)).sum())
+
+
+def repeats(difference, measurement, shared):
+    """Number of experiments whose mean reaches the wanted Bayes factor; None: more than 20."""
+    for count in range(1, MOST_REPEATS + 1):
+        white = whitened(difference[None], measurement / count + shared)[0]
+        if 0.5 * float(white @ white) >= LOG_BAYES_FACTOR:
+            return count
+    return None

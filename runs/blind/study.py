@@ -1,0 +1,195 @@
+"""The blind check of the diagnosis, step by step; what is finished is not computed again.
+
+    python -m runs.blind.study training   [--per-class 40]  training suite, out/blind/training
+    python -m runs.blind.study fit                          its evidence, and the verdict layer fitted to it
+    python -m runs.blind.study make       [--cases 220]     the blind suite; commit runs/blind/SEAL.json
+    python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
+    python -m runs.blind.study reduce     [--ladders 60]    whole diagnoses with an experiment held out
+    python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
+
+The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
+and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
+after a change of the diagnosis make another one (--out).
+"""
+
+import argparse
+import json
+import shutil
+import sys
+from pathlib import Path
+
+from fvcollapse.blind.make import SEAL, make
+from fvcollapse.blind.metrics import NAMED, reduction_scores
+from fvcollapse.blind.score import answer_of, score, table, write_scores
+from fvcollapse.blind.suite import (
+    SIMPLE,
+    answers,
+    case_folders,
+    cross_validated,
+    design_of,
+    distances,
+    make_training,
+    study,
+    train,
+    write_answers,
+)
+from fvcollapse.diagnosis.diagnose import diagnose
+from fvcollapse.diagnosis.report import FILE_NAME, read_report
+from fvcollapse.diagnosis.verdict import VerdictModel
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.files import write_atomic
+
+HERE = Path(__file__).parent
+REDUCTIONS = "reductions.json"
+TRAINING_SEED = 2026
+
+
+def main(argv=None):
+    """Run one step; return the exit status: 0 done, 1 a run failed, 2 bad input, 130 stopped."""
+    try:
+        arguments = parse(argv)
+        return STEPS[arguments.step](arguments)
+    except FvcollapseError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on", file=sys.stderr)
+        return 130
+
+
+def parse(argv):
+    """The arguments."""
+    parser = argparse.ArgumentParser(
+        prog="python -m runs.blind.study", description=__doc__.split("\n")[0]
+    )
+    parser.add_argument("step", choices=STEPS, help="in this order")
+    parser.add_argument("--out", type=Path, default=Path("out/blind"), help="folder of the suites")
+    parser.add_argument("--tables", type=Path, default=HERE, help="folder of seal, answers, scores")
+    parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
+    parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
+    parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
+    parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
+    parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
+    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
+    return parser.parse_args(argv)
+
+
+def make_training_suite(arguments):
+    """Truths of the training suite."""
+    folder = arguments.out / "training"
+    make_training(
+        arguments.per_class, folder, TRAINING_SEED, workers=arguments.workers, quiet=False
+    )
+    return 0
+
+
+def options_of(arguments):
+    """What the diagnosis of every case shares."""
+    return {
+        "cache": arguments.cache,
+        "cell_size": arguments.cell_size,
+        "workers": arguments.workers,
+        "quiet": False,
+    }
+
+
+def compare(arguments, suite):
+    """Evidence of a suite; tells what could not be compared."""
+    out = arguments.out / f"{suite}.evidence"
+    failed = study(arguments.out / suite, out, **options_of(arguments))
+    for name, error in failed.items():
+        print(f"{name}: {error}", file=sys.stderr)
+    return out
+
+
+def fit_verdict(arguments):
+    """Evidence of the training suite, the verdict layer, and its scores on cases left out."""
+    labels = arguments.out / "training.labels.json"
+    suites = [(compare(arguments, "training"), labels)]
+    model = train(suites, {"seed": TRAINING_SEED, "per_class": arguments.per_class})
+    model.save()
+    scores = cross_validated(suites)
+    write_scores(arguments.tables / "training_scores.json", scores)
+    print(json.dumps({name: scores[name] for name in ("all", "alarms", "calibration")}, indent=1))
+    return 0
+
+
+def make_blind_suite(arguments):
+    """The blind suite, and a copy of its seal."""
+    seal = make(arguments.cases, arguments.out / "blind", workers=arguments.workers, quiet=False)
+    shutil.copyfile(seal, arguments.tables / SEAL)
+    print(arguments.tables / SEAL)
+    return 0
+
+
+def answer_blind_suite(arguments):
+    """Answers of the diagnosis and of simple rules."""
+    path = arguments.tables / "answers.json"
+    if path.exists():
+        allowed = "no answers: a suite is answered once"
+        raise InputError(path, "file", "answers that are already there", allowed)
+    evidence = compare(arguments, "blind")
+    for name in SIMPLE:
+        write_answers(arguments.tables / f"answers_{name}.json", answers(evidence, simple=name))
+    write_answers(path, answers(evidence, VerdictModel.load()))
+    print(path)
+    return 0
+
+
+def reduce_gaps(arguments):
+    """Diagnose the first cases of several experiments, the last of which is held out."""
+    several = [case for case in case_folders(arguments.out / "blind") if len(design_of(case)) > 1]
+    found = {}
+    for case in several[: arguments.ladders]:
+        report = held_out_report(case, arguments.out / "blind.reports" / case.name, arguments)
+        if report is not None:
+            found[case.name] = answer_of(report)
+    write_answers(arguments.tables / REDUCTIONS, found)
+    print(arguments.tables / REDUCTIONS)
+    return 0
+
+
+def held_out_report(case, folder, arguments):
+    """The report of a case, as it is there or new; None if a run that it needs fails."""
+    if (folder / FILE_NAME).exists():
+        return read_report(folder)
+    *fitted, held_out = (case / name for name in design_of(case))
+    options = options_of(arguments)
+    try:
+        return diagnose(fitted, hold_out=[held_out], folder=folder, **options)
+    except NumericalError as error:
+        print(f"{case.name}: {error}", file=sys.stderr)
+        return None
+
+
+def score_answers(arguments):
+    """Distances of the true causes, and all scores."""
+    folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
+    path = arguments.tables / "distances.json"
+    if not path.exists():
+        found = distances(folder, labels, **options_of(arguments))
+        write_atomic(path, (json.dumps(found, indent=1) + "\n").encode(), running=False)
+    against = [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
+    scores = score(folder, arguments.tables / "answers.json", labels, against, path)
+    if (arguments.tables / REDUCTIONS).exists():
+        whole = json.loads((arguments.tables / REDUCTIONS).read_text(encoding="utf-8"))
+        named = [each for each in whole.values() if each["verdict"] in NAMED]
+        rows = [each["reduction"] for each in named if "reduction" in each]
+        scores["reduction"] = reduction_scores(rows)
+    write_scores(arguments.tables / "scores.json", scores)
+    print(table(scores))
+    return 0
+
+
+STEPS = {
+    "training": make_training_suite,
+    "fit": fit_verdict,
+    "make": make_blind_suite,
+    "answer": answer_blind_suite,
+    "reduce": reduce_gaps,
+    "score": score_answers,
+}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

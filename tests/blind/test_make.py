@@ -1,0 +1,147 @@
+"""Sealed cases: nothing shown tells the label, everything hidden is sealed, and a call can be continued."""
+
+import json
+import stat
+
+import numpy as np
+import pytest
+from blind_suite import CLASSES, make_wedges
+
+from fvcollapse.blind import make as making
+from fvcollapse.blind.generator import BLIND, draw_label
+from fvcollapse.blind.make import data_digest, label_digest, make, read_labels
+from fvcollapse.blind.outside import UNKNOWNS
+from fvcollapse.effects import CATALOGUE
+from fvcollapse.errors import InputError, NumericalError, OutputError
+from fvcollapse.experiment import load_experiment
+
+
+def files(folder):
+    return {path.relative_to(folder): path for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_suite_is_folders_of_experiments_and_a_seal(tmp_path, monkeypatch):
+    seal, _ = make_wedges(monkeypatch, tmp_path / "suite")
+    assert seal == tmp_path / "suite" / "SEAL.json"
+    plan = read_labels(tmp_path / "suite.labels.json")
+    sealed = json.loads(seal.read_text())["cases"]
+    assert [entry["label"]["cause"] for entry in plan["cases"].values()] == list(CLASSES)
+    for name, entry in plan["cases"].items():
+        folder = tmp_path / "suite" / name
+        assert {path.name for path in folder.iterdir()} == set(entry["label"]["experiments"])
+        for experiment in folder.iterdir():
+            curves = load_experiment(experiment).curves
+            assert set(curves) == {"front", "profiles", "volume", "interface"}
+        assert sealed[name] == {"label": label_digest(entry), "data": data_digest(folder)}
+    assert not (tmp_path / "suite.labels.json.runs").exists()
+
+
+def test_no_file_that_is_shown_tells_a_cause(tmp_path, monkeypatch):
+    make_wedges(monkeypatch, tmp_path / "suite")
+    shown = files(tmp_path / "suite")
+    text = "".join(path.read_text() for path in shown.values())
+    for word in (*CATALOGUE, *UNKNOWNS, "none", "unknown", "truth", "quantile", "cell_size"):
+        if word not in ("gate", "tilt", "clock"):  # [gate] is a section of every experiment
+            assert word not in text, word
+    assert len({path.stat().st_mtime for path in shown.values()}) == 1
+    settings = {}
+    for path in shown.values():
+        if path.name == "experiment.toml":
+            settings.setdefault(path.parent.name, set()).add(path.read_text())
+    assert all(len(texts) == 1 for texts in settings.values())
+
+
+def test_labels_are_private_and_salted(tmp_path, monkeypatch):
+    make_wedges(monkeypatch, tmp_path / "suite")
+    path = tmp_path / "suite.labels.json"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    entries = list(read_labels(path)["cases"].values())
+    salts = {entry["salt"] for entry in entries}
+    assert len(salts) == len(entries)
+    assert all(len(bytes.fromhex(salt)) == 16 for salt in salts)
+    entry = entries[0]
+    assert label_digest(entry) != label_digest(entry | {"salt": entries[1]["salt"]})
+    assert label_digest(entry) != label_digest(entry | {"seed": entry["seed"] + 1})
+
+
+def test_two_suites_without_a_seed_differ():
+    plans = [making.draw_plan(3, BLIND, None, None, None)["cases"] for _ in range(2)]
+    first, second = ([entry["label"] for entry in plan.values()] for plan in plans)
+    assert first != second
+
+
+def test_a_suite_can_be_continued(tmp_path, monkeypatch):
+    seal, calls = make_wedges(monkeypatch, tmp_path / "whole")
+    whole = {name: path.read_bytes() for name, path in files(tmp_path / "whole").items()}
+    stop = len(calls) // 2
+
+    with monkeypatch.context() as patch:
+        count = []
+
+        def keep(case_text, forces, path):
+            count.append(path)
+            if len(count) > stop:
+                raise KeyboardInterrupt
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("0.3")
+
+        patch.setattr(making, "keep_truth", keep)
+        with pytest.raises(KeyboardInterrupt):
+            make(len(CLASSES), tmp_path / "part", classes=CLASSES, seed=1)
+    assert not (tmp_path / "part" / "SEAL.json").exists()
+    make_wedges(monkeypatch, tmp_path / "part")
+    part = {name: path.read_bytes() for name, path in files(tmp_path / "part").items()}
+    names = {name for name in whole if name.name != "SEAL.json"}
+    assert {name: part[name] for name in names} == {name: whole[name] for name in names}
+
+
+def test_a_finished_suite_is_left_alone(tmp_path, monkeypatch):
+    seal, _ = make_wedges(monkeypatch, tmp_path / "suite")
+    before = seal.read_bytes()
+    again, calls = make_wedges(monkeypatch, tmp_path / "suite")
+    assert again.read_bytes() == before
+    assert not calls
+
+
+def test_a_truth_that_cannot_be_computed_is_drawn_again_with_its_cause(tmp_path, monkeypatch):
+    seal, calls = make_wedges(monkeypatch, tmp_path / "suite", failures=(0,))
+    plan = read_labels(tmp_path / "suite.labels.json")
+    first = plan["cases"]["case_001"]
+    assert first["attempt"] == 1
+    assert first["label"] == draw_label("none", BLIND, first["seed"] + 1)
+    assert json.loads(seal.read_text())["cases"]["case_001"]["label"] == label_digest(first)
+    with pytest.raises(NumericalError, match="no pivot"):
+        make_wedges(monkeypatch, tmp_path / "never", failures=range(1000))
+
+
+def test_bad_input_is_one_line(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="--cases: found 0; allowed: a number from 1"):
+        make(0, tmp_path / "suite")
+    with pytest.raises(InputError, match="--labels: .*outside"):
+        make(1, tmp_path / "suite", tmp_path / "suite" / "labels.json")
+    make_wedges(monkeypatch, tmp_path / "suite")
+    with pytest.raises(InputError, match="--cases: found 5; allowed: 4"):
+        make(5, tmp_path / "suite")
+    with pytest.raises(InputError, match="contents without labels"):
+        make(4, tmp_path / "suite", tmp_path / "other.json")
+    (tmp_path / "broken.json").write_text("{")
+    with pytest.raises(InputError, match="broken JSON"):
+        make(4, tmp_path / "new", tmp_path / "broken.json")
+    (tmp_path / "foreign.json").write_text('{"format": "another"}')
+    with pytest.raises(InputError, match="format: found 'another'"):
+        make(4, tmp_path / "new", tmp_path / "foreign.json")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError):
+        make(1, tmp_path / "file" / "suite")
+
+
+@pytest.mark.slow
+def test_a_real_suite_on_coarse_cells(tmp_path):
+    make(2, tmp_path / "suite", classes=["none", "lateral_friction"], seed=4, cells=(4.2, 4.6))
+    for path in (tmp_path / "suite").glob("*/*/experiment.toml"):
+        experiment = load_experiment(path.parent)
+        front = experiment.curves["front"]
+        assert front.value[0] == pytest.approx(0.2, abs=0.02)
+        assert front.value[-1] > 0.3
+        height = experiment.curves["profiles"].value
+        assert np.max(height) == pytest.approx(0.14, abs=0.012)

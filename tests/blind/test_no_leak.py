@@ -1,0 +1,105 @@
+"""No path of the diagnosis can read labels: it does not know the code that can, nor opens their files."""
+
+import ast
+import builtins
+import io
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from blind_suite import make_wedges
+
+import fvcollapse
+from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.experiment import load_experiment
+
+PACKAGE = Path(fvcollapse.__file__).parent
+MODULES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent.name != "blind"]
+
+
+def named_modules(path):
+    """All module names in the imports of a file, and all its strings (for import_module)."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            names.add(node.value)
+    return names
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.stem)
+def test_only_the_command_line_knows_the_blind_package(path):
+    found = {name for name in named_modules(path) if "fvcollapse.blind" in name}
+    if path.name == "__main__.py":
+        assert found == {f"fvcollapse.blind.{name}" for name in found_commands(found)}
+    elif path.parent.name == "diagnosis" or path.parent == PACKAGE:
+        assert not found
+
+
+def found_commands(names):
+    """What follows the name of the package: make and score, nothing of the suite."""
+    parts = {name.removeprefix("fvcollapse.blind.") for name in names}
+    assert {part.split(".")[0] for part in parts} == {"make", "score"}
+    return parts
+
+
+def test_the_diagnosis_can_be_loaded_without_the_blind_package():
+    """All its modules together, in a process of their own."""
+    import subprocess
+
+    modules = [
+        f"fvcollapse.diagnosis.{path.stem}" for path in MODULES if path.parent.name == "diagnosis"
+    ]
+    modules = [name for name in modules if not name.endswith("__init__")]
+    program = f"import importlib, sys; [importlib.import_module(m) for m in {modules}]; "
+    program += "sys.exit(any(name.startswith('fvcollapse.blind') for name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+@pytest.fixture
+def opened(monkeypatch):
+    """Paths of every file opened while the test runs."""
+    paths, real = [], {"open": builtins.open, "os": os.open}
+
+    def watch(kind):
+        def opening(path, *arguments, **options):
+            paths.append(os.fsdecode(path) if isinstance(path, str | bytes | Path) else str(path))
+            return real[kind](path, *arguments, **options)
+
+        return opening
+
+    monkeypatch.setattr(builtins, "open", watch("open"))
+    monkeypatch.setattr(io, "open", watch("open"))
+    monkeypatch.setattr(os, "open", watch("os"))
+    return paths
+
+
+def test_reading_a_case_opens_its_own_files_only(tmp_path, monkeypatch, opened):
+    make_wedges(monkeypatch, tmp_path / "suite")
+    label = (tmp_path / "suite.labels.json").read_bytes()
+    case = tmp_path / "suite" / "case_003"
+    folders = sorted(case.iterdir())
+    for folder in (case, *folders):  # a careless owner leaves the labels lying about
+        (folder / "labels.json").write_bytes(label)
+        (folder / "suite.labels.json").write_bytes(label)
+    opened.clear()
+    choose_points([load_experiment(folder) for folder in folders])
+    inside = {Path(path) for path in opened if str(tmp_path) in path}
+    expected = {"experiment.toml", "front.csv", "profiles.csv", "volume.csv", "interface.csv"}
+    assert {path.name for path in inside} == expected
+    assert {path.parent for path in inside} == set(folders)
+
+
+def test_a_truth_in_an_experiment_changes_nothing(tmp_path, monkeypatch):
+    make_wedges(monkeypatch, tmp_path / "suite")
+    folder = next((tmp_path / "suite" / "case_003").iterdir())
+    before = load_experiment(folder)
+    settings = folder / "experiment.toml"
+    settings.write_text(settings.read_text() + '\n[truth]\ncause = "gate"\nslope_angle_deg = 3\n')
+    after = load_experiment(folder)
+    assert after.settings == before.settings
+    assert after.case() == before.case()

@@ -1,0 +1,202 @@
+"""From the cases of a suite to a fitted verdict and to answers, on collapses by formula."""
+
+import json
+
+import numpy as np
+import pytest
+from toy_laboratory import ToyRunner, film
+
+from fvcollapse.blind import suite as suites
+from fvcollapse.blind.generator import BLIND, TRAINING
+from fvcollapse.blind.make import LABELS_FORMAT
+from fvcollapse.blind.score import problems
+from fvcollapse.blind.suite import (
+    SIMPLE,
+    answers,
+    cross_validated,
+    design_of,
+    distances,
+    make_training,
+    read_evidence,
+    study,
+    train,
+    write_answers,
+)
+from fvcollapse.diagnosis.verdict import VerdictModel
+from fvcollapse.effects import CATALOGUE
+from fvcollapse.errors import InputError, NumericalError
+
+OPTIONS = {"effects": ("cohesion", "bed_friction"), "draws": 8}
+PER_CLASS = 10
+
+
+def hidden(cause, rng):
+    """(effects of the label, swelling) of a case."""
+    effects = {}
+    for name in () if cause in ("none", "unknown") else cause.split("+"):
+        (parameter, prior), *_ = CATALOGUE[name].priors.items()
+        u = float(rng.uniform(0.1, 0.9))
+        section = {parameter: float(prior.distribution().ppf(u))}
+        effects[name] = {"closure": 0, "section": section, "quantiles": {parameter: u}}
+    return effects, float(rng.uniform(0.05, 0.1)) if cause == "unknown" else 0.0
+
+
+def toy_suite(folder, causes):
+    """Cases and labels."""
+    rng, cases = np.random.default_rng(3), {}
+    for number, cause in enumerate(causes):
+        name = f"case_{number:03d}"
+        effects, swelling = hidden(cause, rng)
+        film(
+            folder / "suite" / name / "slope16",
+            effects={effect: each["section"] for effect, each in effects.items()},
+            swelling=swelling,
+            seed=number,
+            mu_1=float(rng.normal(0.45, 0.012)),
+        )
+        kind = ("balloon", "sponge")[number % 2] if cause == "unknown" else None
+        label = {"cause": cause, "unknown_kind": kind, "effects": effects}
+        cases[name] = {"salt": "00", "seed": number, "attempt": 0, "label": label}
+    plan = {"format": LABELS_FORMAT, "cases": cases}
+    (folder / "labels.json").write_text(json.dumps(plan))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory):
+    """A toy suite, and the evidence of its cases."""
+    causes = [name for name in ("none", "unknown", *OPTIONS["effects"]) for _ in range(PER_CLASS)]
+    folder = toy_suite(tmp_path_factory.mktemp("toy"), causes)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(suites.Runner, "__init__", lambda self, *_: None)
+        patch.setattr(suites.Runner, "observations", ToyRunner.observations)
+        patch.setattr(suites.SharingRunner, "asked", set(), raising=False)
+        patch.setattr(suites.SharingRunner, "kept", {})
+        patch.setattr(suites.SharingRunner, "design", None)
+        assert study(folder / "suite", folder / "evidence", **OPTIONS) == {}
+        found = distances(folder / "suite", folder / "labels.json", **OPTIONS)
+    return folder, found
+
+
+@pytest.fixture(scope="module")
+def model(studied):
+    folder, _ = studied
+    return train([(folder / "evidence", folder / "labels.json")], {"made": "by formula"})
+
+
+def test_every_case_leaves_a_file_of_evidence(studied):
+    folder, _ = studied
+    for path in sorted((folder / "evidence").iterdir()):
+        content, evidence = read_evidence(path)
+        assert {"none", "unknown", *OPTIONS["effects"]} <= set(evidence.hypotheses)
+        assert content["experiments"] == ["slope16"]
+        found = content["hypotheses"]["bed_friction"]["parameters"]["mu_bed"]
+        assert found["low"] <= found["value"] <= found["high"]
+
+
+def test_answers_are_answers_and_mostly_right(studied, model, tmp_path):
+    folder, _ = studied
+    labels = json.loads((folder / "labels.json").read_text())["cases"]
+    found = answers(folder / "evidence", model)
+    write_answers(tmp_path / "answers.json", found)
+    found = json.loads((tmp_path / "answers.json").read_text())
+    assert set(found) == set(labels)
+    assert not [problem for each in found.values() for problem in problems(each)]
+    right = [
+        max(found[name]["probability"], key=found[name]["probability"].get)
+        == labels[name]["label"]["cause"]
+        for name in labels
+    ]
+    assert np.mean(right) > 0.7
+    named = [each for each in found.values() if each["verdict"] == "effect"]
+    assert all(set(each["parameters"]) for each in named)
+
+
+@pytest.mark.parametrize("rule", SIMPLE)
+def test_simple_rules_answer_too(studied, rule):
+    folder, _ = studied
+    found = answers(folder / "evidence", simple=rule)
+    assert not [problem for each in found.values() for problem in problems(each)]
+    assert (
+        len({max(each["probability"], key=each["probability"].get) for each in found.values()}) > 1
+    )
+
+
+def test_scores_of_cases_that_the_model_had_not_seen(studied):
+    folder, _ = studied
+    scores = cross_validated([(folder / "evidence", folder / "labels.json")])
+    assert scores["cases"] == 4 * PER_CLASS
+    assert set(scores["alarms"]["unknown_by_kind"]) == {"balloon", "sponge"}
+    assert scores["all"]["top_1"]["value"] > 0.5
+
+
+def test_distance_of_a_true_cause_grows_with_its_strength(studied):
+    folder, found = studied
+    labels = json.loads((folder / "labels.json").read_text())["cases"]
+    own = {
+        name: entry["label"]["effects"]["bed_friction"]["quantiles"]["mu_bed"]
+        for name, entry in labels.items()
+        if entry["label"]["cause"] == "bed_friction"
+    }
+    assert set(own) < set(found)
+    strongest, weakest = min(own, key=own.get), max(own, key=own.get)  # low friction: strong
+    assert found[strongest] > found[weakest] > 0.0
+
+
+def test_the_model_knows_its_suite(model, tmp_path):
+    assert model.about == {"cases": 4 * PER_CLASS, "made": "by formula"}
+    model.save(tmp_path / "model.json")
+    assert VerdictModel.load(tmp_path / "model.json").classes == model.classes
+
+
+def test_evidence_that_is_there_is_kept(studied, monkeypatch):
+    folder, _ = studied
+    monkeypatch.setattr(suites, "analysis_of", lambda *_: pytest.fail("computed again"))
+    assert study(folder / "suite", folder / "evidence") == {}
+
+
+def test_a_case_that_cannot_be_compared_is_told(studied, monkeypatch, tmp_path):
+    folder, _ = studied
+    count = []
+
+    def fail(case, path, *_):
+        count.append(case)
+        if len(count) > 1:
+            raise NumericalError("no pivot")
+
+    monkeypatch.setattr(suites, "keep_evidence", fail)
+    failed = study(folder / "suite", tmp_path / "evidence")
+    assert len(failed) == 4 * PER_CLASS - 1
+
+
+def test_designs_are_told_apart_by_their_experiments(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / "case" / name).mkdir(parents=True)
+        (tmp_path / "case" / name / "experiment.toml").write_text("")
+    assert design_of(tmp_path / "case") == ("a", "b")
+    with pytest.raises(InputError, match="no cases"):
+        study(tmp_path / "case" / "a", tmp_path / "out")
+
+
+def test_a_file_that_is_no_evidence_is_refused(tmp_path):
+    (tmp_path / "case.json").write_text(
+        '{"format": "fvcollapse-evidence", "hypotheses": {"none": {}}}'
+    )
+    with pytest.raises(InputError, match="hypotheses"):
+        read_evidence(tmp_path / "case.json")
+    (tmp_path / "case.json").write_text('{"format": "another"}')
+    with pytest.raises(InputError, match="format"):
+        read_evidence(tmp_path / "case.json")
+
+
+def test_a_training_suite_holds_every_class(monkeypatch):
+    asked = {}
+    monkeypatch.setattr(suites, "make", lambda count, *_, **options: asked.update(options) or count)
+    count = make_training(10, "folder", seed=1)
+    classes = asked["classes"]
+    assert count == len(classes)
+    assert asked["style"] is TRAINING
+    assert asked["style"] is not BLIND
+    assert all(classes.count(name) == 10 for name in suites.known_effects())
+    assert classes.count("none") == classes.count("unknown") == 15
+    assert sum("+" in name for name in classes) == 10

@@ -1,0 +1,167 @@
+"""From runs and measurements to gap map and evidence, on collapses by formula."""
+
+import numpy as np
+import pytest
+from toy_laboratory import ToyRunner, film
+
+from fvcollapse import load_experiment
+from fvcollapse.diagnosis.analysis import analyse, sensitivities, set_up_covariance
+from fvcollapse.diagnosis.controls import condition, learn
+from fvcollapse.errors import InputError
+
+EFFECTS = ("lateral_friction", "gate", "cohesion", "bed_friction")
+SET_UPS = ((10.0, 0.1), (16.0, 0.1), (16.0, 0.2))
+
+
+def filmed(folder, set_ups=SET_UPS, **hidden):
+    """Experiments with the same thing hidden."""
+    return [
+        load_experiment(film(folder / f"s{slope:g}_w{width:g}", slope, width, seed=n, **hidden))
+        for n, (slope, width) in enumerate(set_ups)
+    ]
+
+
+def analysed(folder, set_ups=SET_UPS, **hidden):
+    return analyse(filmed(folder, set_ups, **hidden), ToyRunner(), effects=EFFECTS)
+
+
+@pytest.fixture(scope="module")
+def walls(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("walls")
+    return analysed(folder, SET_UPS[:2], effects={"lateral_friction": {"mu_wall": 0.22}})
+
+
+def test_nothing_hidden_is_found_as_nothing(tmp_path):
+    found = analysed(tmp_path, mu_1=0.458)  # within its standard deviation
+    assert found.evidence.hypotheses["none"].p_value > 0.05
+    assert found.evidence.best.name == "none"
+    assert found.gap_map.regions == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "section"),
+    [
+        ("lateral_friction", {"mu_wall": 0.22, "pressure_ratio": 0.9}),
+        ("gate", {"speed": 1.0, "time_constant": 0.05, "mu_gate": 0.1, "delay": 0.01}),
+        ("bed_friction", {"mu_bed": 0.25}),
+    ],
+)
+def test_a_hidden_effect_is_the_best_explanation(tmp_path, name, section):
+    found = analysed(tmp_path, effects={name: section})
+    assert found.evidence.best.name == name
+    assert found.evidence.best.p_value > 0.01
+    assert found.gap_map.regions
+
+
+def test_the_strength_is_inside_its_interval(walls):
+    best = walls.evidence.best
+    closure = walls.library.closures[best.name][best.variant[0]]
+    product = [np.prod(list(closure.values(u).values())[:2]) for u in (best.low, best.u, best.high)]
+    assert product[0] < 0.22 < product[2]  # mu_wall x pressure ratio is what the data see
+
+
+def test_uncertainties_add_up(walls):
+    total = walls.measurement + walls.numerical + walls.calibration
+    assert np.allclose(walls.covariance, total)
+    assert np.linalg.eigvalsh(walls.covariance).min() > 0.0
+    assert not walls.shift.any()
+    assert walls.discrepancy is None
+
+
+def test_sensitivities_are_the_slopes_of_the_runs(walls):
+    library = walls.library
+    keys = [each.key for each in library.quantities]
+    slopes = sensitivities(library)
+    own = library.points.of("s16_w0.1")
+    front = (library.points.observable == "front")[own]
+    assert slopes[keys.index("rheology.mu_1"), own][front][-1] < -0.005  # m per 0.012 of mu_1
+    other = [n for n, each in enumerate(library.quantities) if each.experiments == ("s10_w0.1",)]
+    assert not slopes[other, own].any()
+    assert np.linalg.matrix_rank(set_up_covariance(library)) <= 8
+
+
+def test_separability_and_null_test_name_effects(walls):
+    assert set(walls.separability.names) == set(EFFECTS)
+    assert sum(walls.null_wins.values()) == pytest.approx(1.0)
+    assert walls.null_wins.get("gate", 0.0) < 0.2
+
+
+def test_the_same_data_give_the_same_answer(tmp_path, walls):
+    again = analysed(tmp_path, SET_UPS[:2], effects={"lateral_friction": {"mu_wall": 0.22}})
+    assert again.evidence.log_evidence() == pytest.approx(walls.evidence.log_evidence())
+
+
+def test_two_experiments_of_one_name_are_refused(tmp_path):
+    one = load_experiment(film(tmp_path / "a" / "same"))
+    two = load_experiment(film(tmp_path / "b" / "same"))
+    with pytest.raises(InputError, match="the name same twice"):
+        analyse([one], ToyRunner(), controls=[two])
+
+
+# -- controls ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def swelling(tmp_path_factory):
+    """Collapses of grains that swell, which no effect does: with walls, and two controls."""
+    folder = tmp_path_factory.mktemp("swelling")
+    controls = filmed(folder / "controls", SET_UPS[:2], swelling=0.05)
+    hidden = {"lateral_friction": {"mu_wall": 0.22, "pressure_ratio": 0.9}}
+    (one,) = filmed(folder / "walls", ((16.0, 0.12),), effects=hidden, swelling=0.05)
+    (none,) = filmed(folder / "none", ((13.0, 0.1),), swelling=0.05)
+    return one, none, controls
+
+
+def test_without_controls_an_error_of_the_model_is_taken_for_a_cause(swelling):
+    _, none, _ = swelling
+    found = analyse([none], ToyRunner(), effects=EFFECTS)
+    assert found.evidence.hypotheses["none"].p_value < 1.0e-3
+    assert any(region.observable == "volume" for region in found.gap_map.regions)
+
+
+def test_controls_teach_the_error_of_the_model(swelling):
+    one, none, controls = swelling
+    found = analyse([none], ToyRunner(), effects=EFFECTS, controls=controls)
+    assert found.evidence.best.name == "none"
+    assert not any(region.observable == "volume" for region in found.gap_map.regions)
+    assert found.discrepancy.factors["volume"] > found.discrepancy.factors["front"]
+    volume = found.points.observable == "volume"
+    assert found.shift[volume][-1] == pytest.approx(-0.05, abs=0.02)
+    hidden = analyse([one], ToyRunner(), effects=EFFECTS, controls=controls)
+    assert hidden.evidence.best.name == "lateral_friction"
+
+
+def test_points_of_the_controls_are_not_those_of_the_experiment(swelling):
+    one, _, controls = swelling
+    found = analyse([one], ToyRunner(), effects=EFFECTS, controls=controls)
+    assert len(found.library.points) > len(found.points) == len(found.shift)
+    assert found.everything.shape == (len(found.library.points),) * 2
+    assert found.covariance.shape == (len(found.points),) * 2
+    assert np.linalg.eigvalsh(found.covariance).min() > 0.0
+
+
+def test_conditioning_is_that_of_two_correlated_numbers():
+    given, wanted = np.array([False, True]), np.array([True, False])
+    covariance = np.array([[4.0, 3.0], [3.0, 9.0]])
+    found = condition(given, wanted, np.array([0.0, 6.0]), covariance)
+    assert found.mean == pytest.approx([3.0 / 9.0 * 6.0])
+    assert found.covariance == pytest.approx(np.array([[4.0 - 9.0 / 9.0]]))
+
+
+def test_learning_finds_the_size_of_a_known_discrepancy():
+    """Factors and correlation of gaps drawn from the very model."""
+    from fake_points import fake_points
+
+    from fvcollapse.diagnosis.covariance import discrepancy_kernel
+
+    points = fake_points(runs=4, places=20, kinds=())
+    rng = np.random.default_rng(3)
+    known = np.diag(points.sigma**2)
+    kernel = discrepancy_kernel(points, 5.0 * points.sigma)
+    factor = np.where(points.observable == "front", 2.0, 0.5)
+    covariance = known + kernel * np.outer(factor, factor)
+    gap = np.linalg.cholesky(covariance) @ rng.standard_normal(len(points))
+    found = learn(points, np.ones(len(points), bool), gap, known, kernel)
+    assert 0.8 < found.factors["front"] < 5.0
+    assert 0.25 < found.factors["profiles"] < 1.0
+    assert 0.02 < found.correlation < 0.98

@@ -1,0 +1,312 @@
+"""Which runs a diagnosis needs, and what is read off them; the solver itself runs in test_diagnose."""
+
+from math import inf
+
+import numpy as np
+import pytest
+from toy_laboratory import ToyRunner, film
+
+from fvcollapse import load_experiment
+from fvcollapse.case import GRAVITY
+from fvcollapse.diagnosis import effect_library as library
+from fvcollapse.diagnosis.effect_library import (
+    Reading,
+    applicable_effects,
+    baseline_cases,
+    build_library,
+    closures_of,
+    design,
+    draw,
+    flow_case,
+    nuisances,
+    refined,
+    run_end,
+    with_nuisances,
+)
+from fvcollapse.diagnosis.emulator import monomials, richest_trend
+from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.errors import InputError, NumericalError
+
+
+@pytest.fixture(scope="module")
+def experiments(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("toy")
+    set_ups = ((10.0, 0.1), (16.0, 0.1), (16.0, 0.2))
+    return tuple(
+        load_experiment(film(folder / f"s{slope:g}_w{width:g}", slope, width, seed=n))
+        for n, (slope, width) in enumerate(set_ups)
+    )
+
+
+@pytest.fixture(scope="module")
+def cases(experiments):
+    return baseline_cases(experiments)
+
+
+# -- cases ---------------------------------------------------------------------------------------
+
+
+def test_baseline_is_the_set_up_without_effects(experiments, cases):
+    case = cases["s16_w0.2"]
+    assert case.geometry.slope_angle_deg == 16.0
+    assert case.geometry.channel_width == 0.2
+    assert case.effects == type(case.effects)()
+    assert case.grid.cell_size == pytest.approx(0.14 / 12)
+    assert case.time.step_max == pytest.approx(0.02 * (0.14 / GRAVITY) ** 0.5)
+    assert baseline_cases(experiments, cell_size=0.02)["s16_w0.1"].grid.cell_size == 0.02
+
+
+def test_finer_grid_has_smaller_cells_and_steps(cases):
+    coarse = cases["s10_w0.1"]
+    fine = refined(coarse)
+    assert fine.grid.cell_size == pytest.approx(0.75 * coarse.grid.cell_size)
+    assert fine.time.step_max == pytest.approx(0.5 * coarse.time.step_max)
+    stretched = coarse.replace(**{"grid.cell_size_z": 0.01})
+    assert refined(stretched).grid.cell_size_z == pytest.approx(0.0075)
+
+
+def test_runs_end_after_the_last_frame_at_a_round_time(experiments):
+    assert experiments[0].time_end == pytest.approx(1.6)
+    assert run_end(experiments[0]) == 2.0
+
+
+def test_what_is_only_seen_is_not_run_again(cases):
+    base = cases["s16_w0.1"]
+    section = {"velocity_ratio": 1.3, "view": "wall"}
+    wall = base.replace(**{"effects.transverse_profile": section})
+    centre = base.replace(**{"effects.transverse_profile": section | {"view": "centre"}})
+    assert wall != centre
+    assert flow_case(wall) == flow_case(centre)
+    assert flow_case(base) is base
+    for name, effect in CATALOGUE.items():
+        if effect.kind == OBSERVATION:
+            seen = base.replace(**{f"effects.{name}": closures_of(name)[0].section([0.7, 0.7])})
+            assert flow_case(seen) == base
+
+
+# -- effects -------------------------------------------------------------------------------------
+
+
+def test_every_closure_of_the_catalogue_can_be_run(cases):
+    """All levels of all effects are cases that the solver accepts."""
+    base = cases["s16_w0.1"]
+    for name, effect in CATALOGUE.items():
+        if effect.kind == NUISANCE:
+            continue
+        closures = closures_of(name)
+        assert len(closures) == len(effect.variants)
+        for closure in closures:
+            assert set(closure.parameters) <= set(effect.priors)
+            for u in closure.levels():
+                case = base.replace(**{f"effects.{name}": closure.section(u)})
+                section = getattr(case.effects, name)
+                for key, value in closure.section(u).items():
+                    assert getattr(section, key) == value
+
+
+def test_a_parameter_of_another_closure_is_left_out():
+    sink, weakening, increase = closures_of("lateral_friction")
+    assert sink.parameters == increase.parameters == ("mu_wall", "pressure_ratio")
+    assert set(weakening.parameters) == {*sink.parameters, "deep_ratio", "weakening_depth"}
+    assert sink.keys == {"closure": "sink"}
+    assert closures_of("viscosity")[1].parameters == ("eta_constant",)
+
+
+def test_values_are_quantiles_of_the_prior():
+    (closure,) = closures_of("bed_friction")
+    assert closure.values([0.5])["mu_bed"] == pytest.approx(0.33)
+    assert closure.values([0.0])["mu_bed"] == pytest.approx(0.18)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 4, 5])
+def test_design_fills_the_cube_and_determines_a_trend(dimension):
+    points = design(dimension)
+    assert points.shape == (4 if dimension == 1 else 2 * dimension + 3, dimension)
+    assert points.min(axis=0) == pytest.approx(np.full(dimension, points.min()))
+    assert points.min() < 0.12
+    assert points.max() > 0.9
+    terms = richest_trend(points)
+    assert len(np.unique(points, axis=0)) == len(points)
+    assert np.linalg.matrix_rank(monomials(points, terms)) == len(terms)
+
+
+def test_walls_need_a_width_and_a_baseline_effect_is_no_candidate(experiments, cases):
+    chosen, left_out = applicable_effects(cases)
+    assert "lateral_friction" in chosen
+    assert not left_out
+    wide = {"a": cases["s16_w0.1"].replace(**{"geometry.channel_width": inf})}
+    chosen, left_out = applicable_effects(wide)
+    assert "lateral_friction" not in chosen
+    assert left_out["lateral_friction"] == "no experiment states a channel width"
+    with_gate = {"a": cases["s16_w0.1"].replace(**{"effects.gate": {"delay": 0.01}})}
+    assert applicable_effects(with_gate)[1] == {"gate": "the baseline has it already"}
+    assert applicable_effects(cases, ["gate", "cohesion"])[0] == ["gate", "cohesion"]
+
+
+def test_unknown_effect_is_refused(cases):
+    with pytest.raises(InputError, match="--effects: found 'walls'; allowed: .*lateral_friction"):
+        applicable_effects(cases, ["walls"])
+
+
+# -- calibrated parameters and set-up ------------------------------------------------------------
+
+
+def test_material_is_shared_and_set_up_is_not(experiments, cases):
+    found = nuisances(experiments, cases)
+    keys = [each.key for each in found]
+    assert keys.count("rheology.mu_1") == 1
+    assert found[0].experiments == tuple(one.name for one in experiments)
+    assert found[0].sd == 0.012  # stated
+    assert keys.count("geometry.slope_angle_deg") == 3
+    assert keys.count("gate.speed") == 3
+    assert "boundary.mu_bed" not in keys  # no slip
+
+
+def test_laws_without_inertial_number_have_no_mu_2(experiments):
+    base = baseline_cases(experiments)["s16_w0.1"].replace(
+        **{"rheology.law": "drucker_prager", "boundary.mu_bed": 0.4}
+    )
+    found = {each.key for each in nuisances(experiments[1:2], {"s16_w0.1": base})}
+    assert {"rheology.mu_1", "boundary.mu_bed"} <= found
+    assert not {"rheology.mu_2", "rheology.I_0"} & found
+
+
+def test_draws_are_standard_normal_and_do_not_depend_on_the_company(experiments, cases):
+    together, alone = nuisances(experiments, cases), nuisances(experiments[1:2], cases)
+    z = draw(together, 40)
+    assert z.shape == (40, len(together))
+    assert z.mean(axis=0) == pytest.approx(np.zeros(len(together)), abs=1e-9)
+    assert z.std(axis=0) == pytest.approx(np.ones(len(together)), abs=0.05)
+    own = [n for n, each in enumerate(together) if "s16_w0.1" in each.experiments]
+    assert np.array_equal(z[:, own], draw(alone, 40))
+    assert not np.array_equal(draw(alone, 40, seed=1), draw(alone, 40))
+    twins = [n for n, each in enumerate(together) if each.key == "geometry.slope_angle_deg"]
+    assert not np.array_equal(z[:, twins[1]], z[:, twins[2]])  # 16 degrees twice
+
+
+def test_a_case_with_drawn_quantities(experiments, cases):
+    found, base = nuisances(experiments, cases), cases["s10_w0.1"]
+    z = np.zeros(len(found))
+    assert with_nuisances(base, "s10_w0.1", found, z).rheology == base.rheology
+    column = {each.key: n for n, each in enumerate(found) if "s10_w0.1" in each.experiments}
+    z[column["rheology.mu_1"]], z[column["geometry.length_0"]] = 2.0, -1.0
+    case = with_nuisances(base, "s10_w0.1", found, z)
+    assert case.rheology.mu_1 == pytest.approx(0.45 * np.exp(2 * 0.012 / 0.45))
+    ratio = case.geometry.length_0 / base.geometry.length_0
+    assert ratio < 1.0
+    assert case.grid.cell_size / base.grid.cell_size == pytest.approx(ratio)
+    assert case.grid.cell_size_z == pytest.approx(base.grid.cell_size)
+    other = with_nuisances(cases["s16_w0.1"], "s16_w0.1", found, z)
+    assert other.rheology.mu_1 == case.rheology.mu_1  # one material
+    assert other.geometry.length_0 == 0.2
+
+
+def test_mu_2_stays_above_mu_1(experiments, cases):
+    base = cases["s10_w0.1"].replace(**{"rheology.mu_2": 0.451})
+    found = nuisances(experiments[:1], {"s10_w0.1": base})
+    z = np.array([3.0 if each.key == "rheology.mu_1" else 0.0 for each in found])
+    case = with_nuisances(base, "s10_w0.1", found, z)
+    assert case.rheology.mu_2 == case.rheology.mu_1 > 0.451
+
+
+def test_a_slope_is_never_negative():
+    level = library.Nuisance("geometry.slope_angle_deg", ("a",), 0.0, 0.2)
+    assert level.value(-1.0) == pytest.approx(0.2)
+    assert level.realised(-1.0) == pytest.approx(1.0)
+    steep = level._replace(mean=29.9, sd=1.0)
+    assert steep.value(3.0) == 30.0
+    assert steep.realised(3.0) == pytest.approx(0.1)
+
+
+# -- the library ---------------------------------------------------------------------------------
+
+
+def test_library_holds_baselines_ensemble_and_responses(experiments, cases):
+    runner = ToyRunner()
+    found = build_library(experiments[:2], cases, runner, ["gate", "bed_friction"], draws=6)
+    size = len(found.points)
+    assert found.points.names == ("s10_w0.1", "s16_w0.1")
+    assert found.coarse.shape == found.fine.shape == (size,)
+    assert 0.0 < np.abs(found.fine - found.coarse).max() < 0.03
+    assert found.samples.shape == (6, size)
+    assert found.draws.shape == (6, len(found.quantities))
+    assert set(found.responses) == {"gate", "bed_friction"}
+    (response,) = found.responses["bed_friction"]
+    level = found.closures["bed_friction"][0].levels()[2]
+    assert response.at(level) == pytest.approx(response.differences[2], abs=1e-9)
+    assert len(runner.asked) == 2 * (2 + 6 + 4 + len(design(4)))
+
+
+def test_effects_do_not_act_in_controls(experiments, cases):
+    found = build_library(
+        experiments[:1], cases, ToyRunner(), ["bed_friction"], experiments[1:2], draws=4
+    )
+    control = found.points.of("s16_w0.1")
+    (response,) = found.responses["bed_friction"]
+    assert not response.differences[:, control].any()
+    assert np.ptp(found.samples[:, control], axis=0).max() > 0.0
+
+
+def test_walls_act_only_where_there_are_some(experiments, cases):
+    mixed = cases | {
+        "s10_w0.1": cases["s10_w0.1"].replace(**{"geometry.channel_width": inf}),
+    }
+    found = build_library(experiments[:2], mixed, ToyRunner(), ["lateral_friction"], draws=4)
+    for response in found.responses["lateral_friction"]:
+        assert not response.differences[:, found.points.of("s10_w0.1")].any()
+        assert response.differences[:, found.points.of("s16_w0.1")].any()
+
+
+def test_an_effect_without_a_trace_is_left_out(tmp_path):
+    folder = film(tmp_path / "only_volume")
+    for name in ("front", "profiles", "interface"):
+        (folder / f"{name}.csv").unlink()
+    one = load_experiment(folder)
+    found = build_library([one], baseline_cases([one]), ToyRunner(), ["cohesion"], draws=4)
+    assert found.left_out == {"cohesion": "it changes nothing that was measured"}
+    assert found.responses == {}
+
+
+class Failing(ToyRunner):
+    """Fails where a label says so."""
+
+    def __init__(self, fails):
+        super().__init__()
+        self.fails = fails
+
+    def observations(self, wanted):
+        seen, _ = super().observations(wanted)
+        failures = {label: NumericalError("it blew up") for label in wanted if self.fails(label)}
+        return {label: each for label, each in seen.items() if label not in failures}, failures
+
+
+def test_failed_runs_cost_a_draw_or_an_effect_not_the_diagnosis(experiments, cases):
+    fails = lambda label: label[0] == "draw" and label[1] == 2  # noqa: E731
+    found = build_library(experiments[:2], cases, Failing(fails), ["cohesion"], draws=6)
+    assert found.samples.shape[0] == found.draws.shape[0] == 5
+    fails = lambda label: label[0] == ("cohesion", 0) and label[1] > 0  # noqa: E731
+    found = build_library(experiments[:2], cases, Failing(fails), ["cohesion", "gate"], draws=4)
+    assert set(found.responses) == {"gate"}
+    assert "3 of its 4 runs fail: it blew up" in found.left_out["cohesion"]
+
+
+@pytest.mark.parametrize("what", ["fine", "coarse"])
+def test_a_baseline_that_fails_ends_it(experiments, cases, what):
+    runner = Failing(lambda label: label[0] == what)
+    with pytest.raises(NumericalError, match="it blew up"):
+        build_library(experiments[:1], cases, runner, ["cohesion"], draws=4)
+
+
+def test_too_few_draws_are_an_error(experiments, cases):
+    runner = Failing(lambda label: label[0] == "draw" and label[1] > 2)
+    with pytest.raises(NumericalError, match="5 of 8 draws of the calibrated parameters fail"):
+        build_library(experiments[:1], cases, runner, ["cohesion"], draws=8)
+
+
+def test_reading_is_in_the_order_of_the_points(experiments, cases):
+    points = choose_points(experiments)
+    wanted = {("x", None, one.name): (one, cases[one.name]) for one in experiments}
+    seen, _ = ToyRunner().observations(wanted)
+    whole = points.simulated({one.name: seen["x", None, one.name] for one in experiments})
+    assert np.array_equal(Reading(points, seen, {}).vector("x", None), whole)

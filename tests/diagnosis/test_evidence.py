@@ -1,0 +1,269 @@
+"""Evidence: closed forms, a known effect recovered, none and unknown, pairs, bounds."""
+
+import numpy as np
+import pytest
+from fake_points import fake_points
+from scipy.special import logsumexp
+from scipy.stats import binom, multivariate_normal, norm
+
+from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
+from fvcollapse.diagnosis.emulator import Response
+from fvcollapse.diagnosis.evidence import (
+    DISCREPANCIES,
+    UNKNOWN_DISCREPANCIES,
+    Comparison,
+    compare,
+    log_probability_positive,
+    sigma_weights,
+)
+
+SHAPES = {
+    "arms": lambda t, x: np.where(np.isnan(x), t, 0.1 * x),
+    "bars": lambda t, x: np.where(np.isnan(x), np.exp(-3.0 * t), 0.1 * np.sin(9.0 * x) * t),
+    "cups": lambda t, x: np.where(np.isnan(x), t * (1.0 - t), 0.1 * np.cos(12.0 * x)),
+}
+
+
+def setting(runs=2, kinds=()):
+    """Points, U and K_delta; U holds a smooth part as large as the scatter."""
+    points = fake_points(runs, kinds=kinds)
+    smooth = discrepancy_kernel(points, points.sigma)
+    kernel = discrepancy_kernel(points, discrepancy_amplitude(points, np.diag(smooth)))
+    return points, np.diag(points.sigma**2) + smooth, kernel
+
+
+def shape(points, name, size=0.05):
+    """A signature on the points."""
+    time = np.nan_to_num(points.time, nan=1.0)
+    return size * SHAPES[name](time, points.x)
+
+
+def responses(points, size=0.05):
+    """Three effects, bent in their parameter."""
+    levels = np.array([[0.0], [0.5], [1.0]])
+    bend = levels + 0.3 * levels**2 + 0.1
+    return {name: Response.fit(levels, bend * shape(points, name, size)) for name in SHAPES}
+
+
+def linear_log_evidence(gap, slope, covariance, low, high):
+    """Logarithm of the mean of N(gap + a slope; 0, C) over a in [low, high], in closed form."""
+    inverse = np.linalg.inv(covariance)
+    precision = slope @ inverse @ slope
+    best = -(slope @ inverse @ gap) / precision
+    top = multivariate_normal(cov=covariance).logpdf(gap + best * slope)
+    a, b = (low - best) * np.sqrt(precision), (high - best) * np.sqrt(precision)
+    inside = np.log(norm.cdf(b) - norm.cdf(a)) if a < 0 else np.log(norm.sf(a) - norm.sf(b))
+    return top + 0.5 * np.log(2.0 * np.pi / precision) + inside - np.log(high - low)
+
+
+@pytest.mark.parametrize("size", [0.003, 0.05, 5.0])
+def test_evidence_of_a_linear_response_is_exact(size):
+    """Weak, strong, and so strong that the posterior is narrower than the nodes."""
+    points, covariance, kernel = setting()
+    slope = shape(points, "arms", size)
+    rng = np.random.default_rng(1)
+    gap = -0.8 * slope + np.linalg.cholesky(covariance) @ rng.standard_normal(len(points))
+    found = compare(gap, covariance, kernel, {"arms": Response.of_one_level(slope)}, points)
+    weights = sigma_weights(DISCREPANCIES)
+    matrices = [covariance + s**2 * kernel for s in DISCREPANCIES]
+    for low, high, log_z in (
+        (0.15, 2.0, found.hypotheses["arms"].log_evidence),
+        (-0.775, 2.925, found.hypotheses["arms"].log_evidence_wide),
+    ):
+        parts = [linear_log_evidence(gap, slope, each, low, high) for each in matrices]
+        assert log_z == pytest.approx(logsumexp(parts + weights), abs=0.01)
+    none = [multivariate_normal(cov=each).logpdf(gap) for each in matrices]
+    assert found.log_evidence()["none"] == pytest.approx(logsumexp(none + weights), abs=1e-6)
+    unknown = [
+        multivariate_normal(cov=covariance + s**2 * kernel).logpdf(gap)
+        for s in UNKNOWN_DISCREPANCIES
+    ]
+    expected = logsumexp(unknown) - np.log(4.0)
+    assert found.log_evidence()["unknown"] == pytest.approx(expected, abs=1e-6)
+
+
+def test_evidence_of_two_parameters_is_exact():
+    """Where the prior does not cut, the integral over both is that of a Gaussian."""
+    points, covariance, kernel = setting()
+    slopes = np.array([shape(points, "arms", 0.5), shape(points, "cups", 0.5)])
+    levels = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    response = Response(levels, levels @ slopes, np.empty((0, len(points))))
+    noise = np.linalg.cholesky(covariance) @ np.random.default_rng(2).standard_normal(len(points))
+    gap = -np.array([0.4, 0.7]) @ slopes + noise
+    found = compare(gap, covariance, kernel, {"both": response}, points)
+    parts = []
+    for s in DISCREPANCIES:
+        inverse = np.linalg.inv(covariance + s**2 * kernel)
+        precision = slopes @ inverse @ slopes.T
+        best = np.linalg.solve(precision, -slopes @ inverse @ gap)
+        top = multivariate_normal(cov=covariance + s**2 * kernel).logpdf(gap + best @ slopes)
+        parts.append(top + np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(precision)[1])
+    exact = logsumexp(np.array(parts) + sigma_weights(DISCREPANCIES))
+    assert found.log_evidence()["both"] == pytest.approx(exact, abs=0.05)
+    np.testing.assert_allclose(found.best.u, [0.4, 0.7], atol=0.05)
+
+
+def test_errors_of_the_emulator_enter_as_a_covariance():
+    points, covariance, kernel = setting(1)
+    rng = np.random.default_rng(3)
+    levels = np.array([[0.0], [0.3], [0.6], [1.0]])
+    rough = shape(points, "arms") * levels + 0.004 * rng.standard_normal((4, len(points)))
+    response = Response.fit(levels, rough)
+    gap = -response.at(np.array([0.45])) + 0.01 * rng.standard_normal(len(points))
+    found = compare(gap, covariance, kernel, {"arms": response}, points)
+    nodes = (np.arange(128) + 0.5) / 128
+    parts = np.empty((128, len(DISCREPANCIES)))
+    for i, u in enumerate(nodes[:, None]):
+        for j, s in enumerate(DISCREPANCIES):
+            total = covariance + s**2 * kernel + response.covariance(u)
+            parts[i, j] = multivariate_normal(cov=total).logpdf(gap + response.at(u))
+    exact = logsumexp(parts + sigma_weights(DISCREPANCIES)) - np.log(128)
+    assert found.log_evidence()["arms"] == pytest.approx(exact, abs=0.01)
+
+
+def test_a_known_effect_wins_and_its_parameter_is_recovered():
+    points, covariance, kernel = setting()
+    effects = responses(points)
+    comparison = Comparison(covariance, kernel, effects, points)
+    factor, rng = np.linalg.cholesky(covariance + 0.1**2 * kernel), np.random.default_rng(5)
+    names, won, covered = list(effects), 0, 0
+    for case in range(40):
+        name, u = names[case % 3], rng.uniform(0.3, 1.0, 1)
+        gap = -effects[name].at(u) + factor @ rng.standard_normal(len(points))
+        best = comparison.evidence(gap).best
+        won += best.name == name
+        found = comparison.evidence(gap).hypotheses[name]
+        covered += bool(found.low[0] <= u[0] <= found.high[0])
+        assert found.variant == (0,)
+    assert won >= 38
+    assert binom.ppf(0.005, 40, 0.9) <= covered <= 40
+
+
+def test_nothing_is_found_where_there_is_nothing():
+    points, covariance, kernel = setting()
+    comparison = Comparison(covariance, kernel, responses(points), points)
+    factor, rng = np.linalg.cholesky(covariance), np.random.default_rng(6)
+    none, confident, p_values = 0, 0, []
+    for _ in range(60):
+        evidence = comparison.evidence(factor @ rng.standard_normal(len(points)))
+        none += evidence.best.name == "none"
+        confident += evidence.best.name != "none" and max(evidence.posterior().values()) > 0.9
+        p_values.append(evidence.hypotheses["none"].p_value)
+        assert sum(evidence.posterior().values()) == pytest.approx(1.0)
+    assert none >= 46  # raw evidences: weak effects and none look alike
+    assert confident <= 3
+    assert np.mean(np.array(p_values) < 0.05) <= binom.ppf(0.995, 60, 0.05) / 60.0
+
+
+def test_a_smooth_gap_of_another_shape_is_unknown():
+    points, covariance, kernel = setting()
+    comparison = Comparison(covariance, kernel, responses(points), points)
+    rng, found = np.random.default_rng(7), 0
+    # round-off alone can make the kernel indefinite
+    strange = np.linalg.cholesky(16.0 * kernel + 1.0e-3 * np.diag(points.sigma**2))
+    for _ in range(20):
+        gap = strange @ rng.standard_normal(len(points))
+        evidence = comparison.evidence(gap + points.sigma * rng.standard_normal(len(points)))
+        found += evidence.best.name == "unknown"
+        effects = [evidence.hypotheses[name].p_value for name in SHAPES]
+        assert max(effects) < 0.01
+    assert found >= 18
+
+
+def test_two_effects_open_the_pairs():
+    points, covariance, kernel = setting()
+    effects = responses(points, 0.15)
+    noise = np.linalg.cholesky(covariance) @ np.random.default_rng(8).standard_normal(len(points))
+    gap = noise - effects["cups"].at(np.array([0.6])) - effects["arms"].at(np.array([0.8]))
+    best = compare(gap, covariance, kernel, effects, points).best
+    assert best.name == "arms+cups"
+    assert best.log_prior == pytest.approx(np.log(0.1))
+    assert best.variant == (0, 0)
+    np.testing.assert_allclose(best.u, [0.8, 0.6], atol=0.25)
+    assert (best.low <= [0.8, 0.6]).all()
+    assert (best.high >= [0.8, 0.6]).all()
+    single = compare(-effects["arms"].at(np.array([0.8])) + noise, covariance, kernel, effects)
+    assert not [name for name in single.hypotheses if "+" in name]
+
+
+def test_closures_share_the_prior_of_their_effect():
+    points, covariance, kernel = setting()
+    one, other = responses(points)["arms"], responses(points)["bars"]
+    gap = -other.at(np.array([0.5]))
+    alone = [compare(gap, covariance, kernel, {"a": each}).hypotheses["a"] for each in (one, other)]
+    both = compare(gap, covariance, kernel, {"a": [one, other]}).hypotheses["a"]
+    expected = np.logaddexp(alone[0].log_evidence, alone[1].log_evidence) - np.log(2.0)
+    assert both.log_evidence == pytest.approx(expected)
+    assert both.variant == (1,)
+    np.testing.assert_allclose(both.difference, alone[1].difference)
+
+
+def test_checks_name_the_run_and_the_phase_that_fail():
+    points, covariance, kernel = setting()
+    gap = np.zeros(len(points))
+    late = (points.experiment == "r1") & (points.phase == "deposit")
+    gap[late & (points.observable == "profiles")] = 0.012 * (-1.0) ** np.arange(16)
+    none = compare(gap, covariance, kernel, {}, points).hypotheses["none"]
+    assert none.p_by_run["r1"] < 1e-6 < 0.9 < none.p_by_run["r0"]
+    assert none.p_by_phase["r1", "deposit"] < 1e-6
+    assert none.p_by_phase["r1", "spreading"] > 0.9
+    assert none.residual_outside > 1.0
+
+
+def test_a_bound_that_is_far_contributes_nothing():
+    kinds = (("runout", "upper"), ("final_height", "lower"))
+    points, covariance, kernel = setting(1, kinds)
+    gap = 0.01 * np.random.default_rng(9).standard_normal(len(points))
+    gap[-2:] = (-50.0, 50.0)
+    effects = {name: Response.of_one_level(shape(points, name)) for name in SHAPES}
+    found = compare(gap, covariance, kernel, effects, points)
+    rest = slice(0, len(points) - 2)
+    fewer = {name: Response.of_one_level(shape(points, name)[rest]) for name in SHAPES}
+    expected = compare(gap[rest], covariance[rest, rest], kernel[rest, rest], fewer)
+    for name in ("none", "unknown", *SHAPES):
+        assert found.log_evidence()[name] == pytest.approx(expected.log_evidence()[name], abs=1e-6)
+    assert found.hypotheses["none"].p_value == pytest.approx(
+        expected.hypotheses["none"].p_value, abs=1e-6
+    )
+
+
+def test_a_bound_beyond_is_the_probability_that_it_holds():
+    """One bound, correlated with the values: exactly the product of density and probability."""
+    points, covariance, kernel = setting(1, (("runout", "upper"),))
+    rng = np.random.default_rng(10)
+    gap = 0.01 * rng.standard_normal(len(points))
+    gap[-1] = 0.03
+    levels = np.array([[0.0], [0.4], [1.0]])
+    rough = shape(points, "arms") * levels + 0.003 * rng.standard_normal((3, len(points)))
+    response = Response.fit(levels, rough)
+    found = compare(gap, covariance, kernel, {"arms": response}, points)
+
+    def exact(total, residual):
+        inverse = np.linalg.inv(total[:-1, :-1])
+        mean = total[-1, :-1] @ inverse @ residual[:-1]
+        variance = total[-1, -1] - total[-1, :-1] @ inverse @ total[:-1, -1]
+        density = multivariate_normal(cov=total[:-1, :-1]).logpdf(residual[:-1])
+        return density + norm.logcdf((mean - residual[-1]) / np.sqrt(variance))
+
+    weights = sigma_weights(DISCREPANCIES)
+    none = [exact(covariance + s**2 * kernel, gap) for s in DISCREPANCIES]
+    assert found.log_evidence()["none"] == pytest.approx(logsumexp(none + weights), abs=1e-6)
+    parts = [
+        [
+            exact(covariance + s**2 * kernel + response.covariance(u), gap + response.at(u))
+            for s in DISCREPANCIES
+        ]
+        for u in ((np.arange(128) + 0.5) / 128)[:, None]
+    ]
+    expected = logsumexp(np.array(parts) + weights) - np.log(128)
+    assert found.log_evidence()["arms"] == pytest.approx(expected, abs=0.01)
+
+
+def test_several_bounds_are_nearly_exact():
+    covariance = np.array([[1.0, 0.5, 0.2], [0.5, 2.0, -0.4], [0.2, -0.4, 1.5]])
+    side = np.array([1.0, -1.0, 1.0])
+    for mean in ([0.5, -0.3, 1.0], [-1.0, 0.2, 0.4], [4.0, 6.0, 5.0]):
+        found = log_probability_positive(np.array([mean]), covariance[None], side)[0]
+        turned = covariance * np.outer(side, side)
+        exact = multivariate_normal(cov=turned).cdf(np.array(mean))
+        assert found == pytest.approx(np.log(exact), abs=0.03)

@@ -1,0 +1,221 @@
+"""Verdicts: calibrated on cases like the fitted ones, honest about the rest, and never from a pickle."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.separability import Separability
+from fvcollapse.diagnosis.verdict import (
+    CAP,
+    NONE,
+    NONE_KEPT,
+    SEVERAL,
+    UNKNOWN,
+    VerdictModel,
+    capped,
+    class_of,
+    class_prior,
+    features,
+    fit,
+    from_json,
+    to_json,
+    verdict,
+)
+from fvcollapse.errors import InputError
+
+EFFECTS = ("arms", "bars", "cups", "dots")
+CAUSES = (*EFFECTS, NONE, UNKNOWN, "arms+bars")
+PAIRS = ("arms+bars", "bars+cups")
+
+
+def hypothesis(name, log_evidence, p_value=0.5, sigma=0.2, outside=1.0, runs=2):
+    nothing = np.empty(0)
+    by_run = dict.fromkeys(range(runs), p_value)
+    return Hypothesis(
+        *(name, log_evidence, log_evidence, -2.3 if "+" in name else 0.0, sigma, (0,)),
+        *(nothing, nothing, nothing, p_value, by_run, {}, outside, nothing),
+    )
+
+
+def evidence_of(log_evidences, p_values=None, **keys):
+    p_values = p_values or {}
+    found = [
+        hypothesis(name, value, p_values.get(name, 0.5), **keys)
+        for name, value in log_evidences.items()
+    ]
+    found.sort(key=lambda each: -(each.log_evidence + each.log_prior))
+    return Evidence({each.name: each for each in found})
+
+
+def draw(cause, rng):
+    """An over-confident evidence: the truth wins by some strength, with a noise of its own."""
+    strength = rng.gamma(3.0, 10.0)
+    logs = {name: -strength + 4.0 * rng.standard_normal() for name in EFFECTS}
+    logs[NONE], logs[UNKNOWN] = -2.0 * strength, -1.2 * strength
+    p_values = {name: float(rng.uniform()) for name in (*EFFECTS, NONE, UNKNOWN)}
+    if cause == NONE:
+        logs = {name: rng.normal(-1.0, 2.0) for name in EFFECTS}
+        logs |= {NONE: 0.0, UNKNOWN: rng.normal(-6.0, 1.0)}
+    elif cause == UNKNOWN:
+        logs[UNKNOWN] = rng.normal(5.0, 2.0)
+        p_values |= dict.fromkeys(EFFECTS, 1e-4)
+    elif "+" in cause:
+        logs |= {"arms": -5.0, "bars": -6.0, "arms+bars": rng.normal(10.0, 3.0)}
+        logs["bars+cups"] = rng.normal(-5.0, 3.0)
+        p_values |= dict.fromkeys(EFFECTS, 1e-3)
+    else:
+        logs[cause] = 4.0 * rng.standard_normal()
+    return evidence_of(logs, p_values)
+
+
+def suite(per_class, seed):
+    rng = np.random.default_rng(seed)
+    return [(draw(cause, rng), cause) for cause in CAUSES for _ in range(per_class)]
+
+
+@pytest.fixture(scope="module")
+def model():
+    return fit(suite(60, 1), EFFECTS, {"made": "of numbers"})
+
+
+@pytest.fixture(scope="module")
+def fresh(model):
+    return [(cause, verdict(evidence, model)) for evidence, cause in suite(100, 2)]
+
+
+def test_probabilities_are_calibrated_to_the_stated_prior(fresh, model):
+    weight = dict(zip(model.classes, class_prior(model.classes), strict=True))
+    weights = np.array([weight[class_of(cause)] for cause, _ in fresh])
+    top = np.array([max(found.probability.values()) for _, found in fresh])
+    right = np.array([next(iter(found.probability)) == cause for cause, found in fresh])
+    accuracy = np.average(right, weights=weights)
+    assert accuracy > 0.75
+    assert accuracy == pytest.approx(np.average(top, weights=weights), abs=0.06)
+
+
+def test_false_alarms_are_rare_and_sets_hold_the_truth(fresh):
+    alarms = [found.kind != NONE for cause, found in fresh if cause == NONE]
+    assert np.mean(alarms) <= NONE_KEPT + 0.06  # 100 cases: two standard deviations of chance
+    held = [cause in found.set for cause, found in fresh]
+    assert 0.86 <= np.mean(held) <= 0.97
+    assert np.mean([len(found.set) for _, found in fresh]) < 2.5
+
+
+def test_what_was_planted_is_named(fresh):
+    for cause, kind in (("dots", "effect"), (UNKNOWN, UNKNOWN), ("arms+bars", "several")):
+        found = [each for truth, each in fresh if truth == cause]
+        assert np.mean([each.kind == kind for each in found]) > 0.7
+    pair = next(each for truth, each in fresh if truth == "arms+bars" and each.kind == "several")
+    assert pair.effects == ("arms", "bars")
+
+
+def test_every_verdict_agrees_with_itself(fresh):
+    for _, found in fresh:
+        assert sum(found.probability.values()) == pytest.approx(1.0)
+        assert {*EFFECTS, NONE, UNKNOWN} <= set(found.probability)
+        assert set(found.set) <= set(found.probability)
+        assert set(found.conformal) == set(found.probability)
+        assert (found.kind == NONE) == (NONE in found.set)
+        assert bool(found.effects) == (found.kind in ("effect", "several"))
+        shares = list(found.probability.values())
+        assert shares == sorted(shares, reverse=True)
+
+
+def test_no_probability_is_larger_than_the_number_of_cases_supports(model, fresh):
+    assert model.cap == pytest.approx(1.0 - 1.0 / (60 * len(CAUSES) + 1))
+    assert max(max(found.probability.values()) for _, found in fresh) <= model.cap + 1e-12
+    shares = capped({"arms": 0.999, NONE: 0.001, UNKNOWN: 0.0}, 0.9)
+    assert shares == pytest.approx({"arms": 0.9, NONE: 0.1, UNKNOWN: 0.0})
+    assert capped({"arms": 1.0, NONE: 0.0}, 0.9) == pytest.approx({"arms": 0.9, NONE: 0.1})
+
+
+def test_effects_that_were_not_compared_have_no_probability(model):
+    evidence, _ = suite(1, 3)[0]
+    kept = ("arms", "bars", NONE, UNKNOWN)
+    few = Evidence({name: evidence.hypotheses[name] for name in kept})
+    found = verdict(few, model)
+    assert set(found.probability) == set(kept)
+    assert found.effects == ("arms",)
+
+
+def test_a_case_like_none_of_the_suite_is_unknown(model):
+    strange = evidence_of(dict.fromkeys((*EFFECTS, UNKNOWN), -400.0) | {NONE: -900.0})
+    found = verdict(strange, model)
+    assert found.kind != NONE
+    assert max(found.conformal.values()) < 0.5
+
+
+def test_features_by_hand():
+    logs = {"arms": -1.0, "bars": 0.0, NONE: -3.0, UNKNOWN: -8.0, "arms+bars": 4.0}
+    found = features(evidence_of(logs, {NONE: 1e-20, "arms+bars": 0.01}), EFFECTS)
+    assert found["bars"] == 0.0
+    assert found["arms"] == pytest.approx(np.log(2.0))
+    assert found[NONE] == pytest.approx(np.log(4.0))
+    assert "cups" not in found
+    assert found["none_p"] == -12.0
+    assert found["pair_gain"] == pytest.approx(np.log(5.0))
+    assert found["pair_p"] == pytest.approx(-2.0)
+    assert found["runs"] == 2.0
+
+
+def test_the_file_is_the_model(model, tmp_path):
+    path = tmp_path / "model.json"
+    model.save(path)
+    again = VerdictModel.load(path)
+    assert to_json(again) == path.read_text()
+    assert again.about == {"cases": 60 * len(CAUSES), "made": "of numbers"}
+    assert again.is_of_this_solver
+    for evidence, _ in suite(3, 4):
+        first, second = verdict(evidence, model), verdict(evidence, again)
+        assert first.kind == second.kind
+        assert first.probability == pytest.approx(second.probability, abs=1e-3)
+
+
+def test_a_file_that_was_changed_or_is_none_is_refused(model, tmp_path):
+    text = to_json(model)
+    content = json.loads(text)
+    content["intercept"][0] += 0.1
+    for broken in (json.dumps(content), "{", "[]", '{"hash": 1}', "\x80\x04."):
+        with pytest.raises(InputError, match=r"model\.json: file: found"):
+            from_json(broken, tmp_path / "model.json")
+    with pytest.raises(InputError, match="no such file"):
+        VerdictModel.load(tmp_path / "missing.json")
+
+
+def test_a_suite_that_is_too_small_is_refused():
+    with pytest.raises(InputError, match="arms: found 4 cases; allowed: >= 5"):
+        fit(suite(4, 1), EFFECTS)
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_without_a_model_that_fits_evidences_are_tempered_and_capped(model, known):
+    logs = {"arms": 0.0, "ears": -60.0, NONE: -90.0, UNKNOWN: -40.0}
+    evidence = evidence_of(logs, {NONE: 1e-9})
+    found = verdict(evidence, model if known else None)  # the model does not know "ears"
+    assert found.kind == "effect"
+    assert found.effects == ("arms",)
+    assert found.probability["arms"] == pytest.approx(CAP)
+    assert found.set == ("arms",)
+    assert found.conformal == {}
+    nothing = verdict(evidence_of(logs | {NONE: -1.0}, {NONE: 0.3}), None)
+    assert nothing.kind == NONE
+    assert NONE in nothing.set
+
+
+def test_groups_that_are_left_open(model):
+    logs = {"arms": 0.0, "bars": -1.0, NONE: -70.0, UNKNOWN: -30.0}
+    evidence = evidence_of(logs, {NONE: 1e-9})
+    found = verdict(evidence, None)
+    assert found.indistinguishable == (("arms", "bars"),)
+    square = np.zeros((4, 4))
+    classes = (("arms", "bars", "cups"),)
+    alike = Separability(EFFECTS, square, square, square[0], square[0], classes, ())
+    assert verdict(evidence, None, alike).indistinguishable == classes
+
+
+def test_a_class_of_two_effects_is_one(model):
+    assert SEVERAL in model.classes
+    assert class_of("arms+bars") == SEVERAL
+    assert class_of("arms") == "arms"
