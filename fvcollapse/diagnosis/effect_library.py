@@ -29,6 +29,7 @@ from fvcollapse.observables import observe
 
 # cells of the coarser grid, in the height and in the length of the column at least
 CELLS, CELLS_LENGTH = 12, 6
+LEAST_CELLS = 5  # in both, of a cell size that is asked for
 REFINEMENT = 0.75  # cell size of the finer grid over that of the coarser
 DRAWS = 20  # of the ensemble
 LONGEST_STEP = 0.02  # of the coarser grid, in sqrt(height_0 / g): twice the default
@@ -60,11 +61,21 @@ NEED_WALLS = ("lateral_friction", "transverse_profile")  # act only between late
 
 
 def baseline_cases(experiments, case=None, cell_size=None):
-    """{name: Case} of the experiments on the coarser grid, without any effect but those of `case`."""
+    """{name: Case} of the experiments on the coarser grid, without any effect but those of `case`.
+
+    Raises
+    ------
+    InputError
+        Cells too large for columns that are a little smaller than stated.
+    """
     cases = {}
     for experiment in experiments:
         own = experiment.case(case)
         geometry = own.geometry
+        largest = min(geometry.height_0, geometry.length_0) / LEAST_CELLS
+        if cell_size is not None and not 0.0 < cell_size <= largest:
+            allowed = f"> 0 and <= {largest:g}, a fifth of the column of {experiment.name}"
+            raise InputError("command line", "--cell-size", f"{cell_size:g}", allowed)
         size = cell_size or min(geometry.height_0 / CELLS, geometry.length_0 / CELLS_LENGTH)
         changes = {"grid.cell_size": size, "time.end": run_end(experiment)}
         if own.time.step_max is None:

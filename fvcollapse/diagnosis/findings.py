@@ -14,6 +14,7 @@ from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
     gaps_of,
+    with_simulated,
 )
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.separability import EQUIVALENT
@@ -131,7 +132,7 @@ def comparisons(analysis, ladder):
     region = np.full(len(analysis.points), -1)
     for number, each in enumerate(analysis.gap_map.regions):
         region[each.points] = number
-    found = group_comparisons(ladder.fitted, combined, region)
+    found = group_comparisons(ladder.fitted, combined, region, analysis.gap_map.z)
     if ladder.held_out is not None:
         group = ladder.held_out
         nowhere = np.full(len(group.points), -1)
@@ -139,11 +140,24 @@ def comparisons(analysis, ladder):
     return found
 
 
-def group_comparisons(group, combined, region):
-    """The `Comparison`s of a group; `combined` (n,) standard uncertainties, `region` (n,) or -1."""
+def group_comparisons(group, combined, region, baseline=None):
+    """The `Comparison`s of a group.
+
+    Parameters
+    ----------
+    group : Group
+    combined : (n,) array
+        Standard uncertainties.
+    region : (n,) int array
+        -1: in none.
+    baseline : (n,) array, optional
+        z of the baseline, as the map of the gap has it.
+    """
     points, found = group.points, []
     phase = points.phase
-    z = {model: gaps_of(group, values) / combined for model, values in group.simulated.items()}
+    z = {model: gaps_of(group, model) / combined for model in group.simulated}
+    if baseline is not None:
+        z[BASELINE] = baseline
     for block in points.blocks:
         own = slice(block.start, block.stop)
         found.append(
@@ -366,14 +380,14 @@ def calibrated(quantities, z, units):
 
 def misfit(group, model, seed, values=(), predicted=None):
     """The `Misfit` of a model over a group."""
-    z = gaps_of(group, group.simulated[model]) / np.sqrt(np.diag(group.covariance))
+    z = gaps_of(group, model) / np.sqrt(np.diag(group.covariance))
     everything = np.ones(len(z), bool)
     fraction = interval = foreseen = None
     if model != BASELINE:
         found = closing(group, BASELINE, model, everything, seed, values=values)
         fraction, interval = found.fraction, found.interval
         if predicted is not None:
-            again = group._replace(simulated=group.simulated | {model: predicted})
+            again = with_simulated(group, {model: predicted})
             foreseen = closing(again, BASELINE, model, everything, seed).fraction
     return form.Misfit(
         rms=rms(z),
@@ -442,9 +456,11 @@ def confirmation_reasons(ladder, beaten, rival, inside, p_value):
 
 def predictive_check(analysis, ladder, hypothesis):
     """p-value of what remains in the true runs with the winner."""
-    gap = gaps_of(ladder.fitted, ladder.fitted.simulated[WINNER])
+    gap = gaps_of(ladder.fitted, WINNER)
     own = analysis.own
-    covariance = ladder.fitted.covariance + set_up_covariance(analysis.library)[own, own]
+    covariance = ladder.fitted.covariance
+    if not analysis.controls:
+        covariance = covariance + set_up_covariance(analysis.library)[own, own]
     covariance = covariance + hypothesis.sigma**2 * analysis.kernel
     counted = (analysis.points.kind == "value") | (gap != 0.0)
     factor = cho_factor(covariance[np.ix_(counted, counted)], lower=True, check_finite=False)
@@ -490,6 +506,8 @@ def limits(analysis, ladder):
         words.append("No experiment was held out, so no cause can be confirmed.")
     if analysis.controls:
         words.append(control_words(analysis))
+        if ladder.held_out is not None:
+            words.append("Held-out experiments are judged without what the controls show.")
     for one in (*analysis.experiments, *analysis.controls):
         missing = default_uncertainties(one)
         if missing:

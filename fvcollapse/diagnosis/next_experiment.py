@@ -321,6 +321,6 @@ def repeats(difference, measurement, shared):
     """Number of experiments whose mean reaches the wanted Bayes factor; None: more than 20."""
     for count in range(1, MOST_REPEATS + 1):
         white = whitened(difference[None], measurement / count + shared)[0]
-        if 0.5 * float(white @ white) >= LOG_BAYES_FACTOR:
+        if 0.5 * float(white @ white) >= LOG_BAYES_FACTOR - 1.0e-9:
             return count
     return None

@@ -20,6 +20,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 
 from fvcollapse.diagnosis.analysis import ORDER, sensitivities
+from fvcollapse.diagnosis.controls import condition
 from fvcollapse.diagnosis.covariance import measurement_covariance, numerical_covariance
 from fvcollapse.diagnosis.effect_library import (
     CALIBRATED,
@@ -64,17 +65,17 @@ class Group(NamedTuple):
     points : Points
     cases : dict
         Experiment -> `Case` on the coarser grid.
-    shift : (n,) array
-        Discrepancy that the controls let expect.
+    shifts : dict
+        Model -> discrepancy (n,) that its gaps to the controls let expect; zero without controls.
     covariance : (n, n) array
-        Of measurement and discretisation, and of what the controls teach.
+        Of measurement and discretisation; with controls also of set-up and discrepancy, given their gaps.
     simulated : dict
         Model -> (n,) values.
     """
 
     points: object
     cases: dict
-    shift: np.ndarray
+    shifts: dict
     covariance: np.ndarray
     simulated: dict
 
@@ -154,11 +155,12 @@ def climb(analysis, runner, winner=None, runner_up=None, hold_out=(), case=None,
     seen, failures = runner.observations(wanted)
     told = [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
     reading = Reading(analysis.points, seen, failures)
+    shifts, covariance = problem.after_controls(fits)
     fitted = Group(
         analysis.points,
         analysis.library.cases,
-        analysis.shift,
-        analysis.measurement + analysis.numerical + learned_part(analysis),
+        shifts,
+        covariance,
         simulated_by(reading, fits, failures),
     )
     held_out = held_out_group(analysis, hold_out, held, seen, failures, fits) if hold_out else None
@@ -193,13 +195,6 @@ def left_out_values(reading, folds, names, failures):
     return found
 
 
-def learned_part(analysis):
-    """Covariance of the discrepancy that remains after the controls, (N, N); 0 without them."""
-    if analysis.discrepancy is None:
-        return 0.0
-    return analysis.covariance - analysis.measurement - analysis.numerical - analysis.calibration
-
-
 def held_out_group(analysis, hold_out, cases, seen, failures, fits):
     """The `Group` of the experiments that were held out."""
     points = choose_points(hold_out)
@@ -209,7 +204,8 @@ def held_out_group(analysis, hold_out, cases, seen, failures, fits):
     covariance = measurement_covariance(points, points.sensitivity(baseline))
     covariance += numerical_covariance(points, coarse, fine, 1.0 / REFINEMENT, ORDER, "fine")
     simulated = simulated_by(reading, fits, failures)
-    return Group(points, cases, np.zeros(len(points)), covariance, simulated)
+    shifts = {model: np.zeros(len(points)) for model in fits}
+    return Group(points, cases, shifts, covariance, simulated)
 
 
 class Recalibration:
@@ -292,6 +288,21 @@ class Recalibration:
             total = total + self.library.responses[effect][number].at(u)
         return total
 
+    def after_controls(self, fits):
+        """({model: shift (n,)}, covariance (n, n)) of the gaps of the experiments, given the controls."""
+        analysis, points = self.analysis, self.library.points
+        if not analysis.controls:
+            nothing = np.zeros(len(analysis.points))
+            covariance = analysis.measurement + analysis.numerical
+            return dict.fromkeys(fits, nothing), covariance
+        wanted = np.arange(len(points)) < len(analysis.points)
+        given = ~wanted & (self.kind == "value")
+        gap, shifts = self.library.fine - points.measured, {}
+        for model, fit in fits.items():
+            found = condition(given, wanted, gap + fit.z @ self.slopes, analysis.everything)
+            shifts[model] = found.mean
+        return shifts, found.covariance
+
     def case(self, fit, experiment, base):
         """The case of a fit on the finer grid, for an experiment whose coarser baseline is `base`."""
         name = experiment.name
@@ -319,9 +330,10 @@ class Closing(NamedTuple):
     interval: tuple
 
 
-def gaps_of(group, values):
+def gaps_of(group, model):
     """Simulated - measured after what the controls let expect, (n,); of a bound what is beyond it."""
-    return beyond_bounds(group.points, values - group.shift - group.points.measured)
+    shown = group.simulated[model] - group.shifts[model]
+    return beyond_bounds(group.points, shown - group.points.measured)
 
 
 def size(gap, deviation):
@@ -346,7 +358,7 @@ def closing(group, before, after, rows, seed, in_units=False, values=()):
         Fractions that the range must cover.
     """
     deviation = np.sqrt(np.diag(group.covariance))[rows]
-    gaps = [gaps_of(group, group.simulated[model])[rows] for model in (before, after)]
+    gaps = [gaps_of(group, model)[rows] for model in (before, after)]
     scale = np.ones_like(deviation) if in_units else deviation
     noise = deviation / scale
     sizes = [size(gap / scale, noise) for gap in gaps]
@@ -376,33 +388,29 @@ def fold_fractions(ladder):
     found = {}
     for name, values in ladder.left_out.items():
         own = ladder.fitted.points.of(name)
-        rows = np.zeros(len(ladder.fitted.points), bool)
-        rows[own] = True
-        found[name, False] = {
-            model: one_fraction(ladder.fitted, rows, own, each) for model, each in values.items()
-        }
+        found[name, False] = {}
+        for model, each in values.items():
+            simulated = {model: ladder.fitted.simulated[BASELINE].copy()}
+            simulated[model][own] = each
+            group = with_simulated(ladder.fitted, simulated)
+            found[name, False][model] = one_fraction(group, own, model)
     if ladder.held_out is not None:
         group = ladder.held_out
         for name in group.points.names:
             own = group.points.of(name)
-            rows = np.zeros(len(group.points), bool)
-            rows[own] = True
-            found[name, True] = {
-                model: one_fraction(group, rows, own, values[own])
-                for model, values in group.simulated.items()
-                if model != BASELINE
-            }
+            models = [model for model in group.simulated if model != BASELINE]
+            found[name, True] = {model: one_fraction(group, own, model) for model in models}
     return found
 
 
-def one_fraction(group, rows, own, values):
-    """Fraction closed in one experiment by the values on its points."""
-    deviation = np.sqrt(np.diag(group.covariance))[rows]
-    after = group.simulated[BASELINE].copy()
-    after[own] = values
+def with_simulated(group, simulated):
+    """The group with other values of some models."""
+    return group._replace(simulated=group.simulated | simulated)
+
+
+def one_fraction(group, own, model):
+    """Fraction closed in the experiment whose points are `own`."""
+    deviation = np.sqrt(np.diag(group.covariance))[own]
     noise = np.ones(len(deviation))
-    sizes = [
-        size(gaps_of(group, each)[rows] / deviation, noise)
-        for each in (group.simulated[BASELINE], after)
-    ]
+    sizes = [size(gaps_of(group, each)[own] / deviation, noise) for each in (BASELINE, model)]
     return fraction_closed(*sizes, noise)

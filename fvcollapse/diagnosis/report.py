@@ -123,6 +123,7 @@ class PriorRange(Part):
     second: float
     grade: str = ""
     source: str = ""
+    strong_end: str = "high"
 
 
 class Parameter(Part):

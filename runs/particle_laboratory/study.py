@@ -1,69 +1,67 @@
-"""The particle laboratory: a three-dimensional particle code as a laboratory that knows nothing of this solver.
+"""Collapses computed grain by grain, as a laboratory whose hidden causes are known for certain.
 
-    python -m runs.particle_laboratory.study validate --data FOLDER   the two controls against the untuned model
-    python -m runs.particle_laboratory.study labelled --data FOLDER   diagnosis of the cases whose cause is known
-    python -m runs.particle_laboratory.study blind    --data FOLDER   diagnosis of the others: answers.json
+    python runs/particle_laboratory/study.py validation discrepancy labelled --data FOLDER
 
-FOLDER holds `labelled/` and `blind/`, folders of experiments. Nothing is tuned: mu(I) of the beads as measured in
-shear and chute flow, no slip on the bed of glued beads, back wall 0.5. The controls, in which nothing is hidden,
-teach the discrepancy of the model from this laboratory; the cases are judged after it. Finished runs are kept in
-the cache, so that the same command goes on after a stop.
+FOLDER holds `labelled` and `blind` experiment folders; `baseline.toml` is what is believed, nothing in it is
+tuned to a collapse. Parts:
+
+    validation    the controls, in which nothing is hidden, beside the baseline: validation.csv, curves.csv
+    discrepancy   what the controls teach; each judged by the other: discrepancy.csv
+    labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
+    blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
+
+Runs are kept in the cache of runs: an interrupted part continues with the same command.
 """
 
 import argparse
 import csv
 import json
-import sys
+import shutil
 from pathlib import Path
 
 import numpy as np
 
+from fvcollapse import diagnose, load_case, load_experiment, observe
 from fvcollapse.align import align
-from fvcollapse.blind.score import answer_of
-from fvcollapse.case import Case
-from fvcollapse.diagnosis.diagnose import diagnose
-from fvcollapse.diagnosis.effect_library import Runner, baseline_cases, refined
-from fvcollapse.diagnosis.report import FILE_NAME, read_report
-from fvcollapse.errors import FvcollapseError, InputError
-from fvcollapse.experiment import load_experiment
+from fvcollapse.diagnosis.analysis import analyse
+from fvcollapse.diagnosis.effect_library import Runner
+from fvcollapse.diagnosis.report import FILE_NAME
+from fvcollapse.diagnosis.report_page import PAGE
+from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.files import write_atomic
 
 HERE = Path(__file__).parent
+BASELINE = HERE / "baseline.toml"
+CELL_SIZES = (0.008, 0.006)  # m, of the validation; the curves are of the last
 CONTROLS = ("control_10deg", "control_16deg")
-BACK_WALL = 0.5  # a flat plate with this friction
-CELL_SIZE = 0.010  # m, of the comparison with the controls
-AT_REST = 0.1  # s; the front at rest is the mean of the measurements in the last of them
+LABELLED = ("lateral_walls_16deg", "slow_gate_16deg")
+FRONT_LIMIT, THICKNESS_LIMIT = (
+    0.015,
+    0.004,
+)  # m, of the front at rest and of the final thickness (rms)
+LAST_READINGS = 5  # of the front, whose mean is the front at rest: it is jagged
+PROFILES_SHOWN = 6  # times in curves.csv
 
 
-def main(argv=None):
-    """Run one part; return the exit status: 0 done, 1 a run failed, 2 bad input, 130 stopped."""
-    try:
-        arguments = parse(argv)
-        return PARTS[arguments.part](arguments)
-    except FvcollapseError as error:
-        print(error, file=sys.stderr)
-        return error.exit_status
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on", file=sys.stderr)
-        return 130
-
-
-def parse(argv):
-    """The arguments."""
-    parser = argparse.ArgumentParser(
-        prog="python -m runs.particle_laboratory.study", description=__doc__.split("\n")[0]
-    )
-    parser.add_argument("part", choices=PARTS)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the experiments")
+def main():
+    """Do the parts that are asked for."""
+    parts = {
+        "validation": validation,
+        "discrepancy": discrepancy,
+        "labelled": labelled,
+        "blind": blind,
+    }
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("parts", nargs="+", choices=parts)
+    parser.add_argument("--data", type=Path, required=True, help="folder of labelled and blind")
     parser.add_argument("--out", type=Path, default=HERE, help="folder of tables and reports")
-    parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
     parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
-    return parser.parse_args(argv)
-
-
-def believed():
-    """The model before any comparison; the set-up and the friction of the beads come with each experiment."""
-    return Case().replace(**{"boundary.mu_back_wall": BACK_WALL})
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for part in arguments.parts:
+        parts[part](arguments)
 
 
 def controls(data):
@@ -71,126 +69,194 @@ def controls(data):
     return [load_experiment(data / "labelled" / name) for name in CONTROLS]
 
 
-# ---------------------------------------------------------------- validation
+# -- validation ----------------------------------------------------------------------------------
 
 
-def validate(arguments):
-    """Compare the untuned model with the controls, on two grids."""
+def validation(arguments):
+    """Compare the controls with the baseline; nothing is tuned."""
+    base, runner = load_case(BASELINE), new_runner(arguments)
     experiments = controls(arguments.data)
-    coarse = baseline_cases(experiments, believed(), CELL_SIZE)
-    wanted = {}
-    for one in experiments:
-        wanted[one.name, CELL_SIZE] = one, coarse[one.name]
-        fine = refined(coarse[one.name])
-        wanted[one.name, fine.grid.cell_size] = one, fine
-    runner = Runner(arguments.cache, arguments.workers, quiet=False)
-    seen, failures = runner.observations(wanted)
-    for failure in failures.values():
-        raise failure
-    by_name = {one.name: one for one in experiments}
+    wanted = {
+        (one.name, size): (one, one.case(base).replace(**{"grid.cell_size": size}))
+        for size in reversed(CELL_SIZES)
+        for one in experiments
+    }
+    results = runner.cache.run_all(
+        {label: case for label, (_, case) in wanted.items()}, arguments.workers, quiet=False
+    )
+    for label, error in results.failures.items():
+        raise SystemExit(f"{label}: {error}")
     rows, curves = [], []
-    for (name, cell), observed in seen.items():
-        rows.append(compare(by_name[name], cell, observed))
-        curves += curve_rows(by_name[name], cell, observed)
-    write_rows(arguments.out / "validation.csv", rows)
-    write_rows(arguments.out / "validation_curves.csv", curves)
+    for one in experiments:
+        for size in CELL_SIZES:
+            pairs = align(observe(results.results[one.name, size], one), one)
+            rows.append({"experiment": one.name, "cell_size": size} | measures(pairs))
+        curves += curve_rows(one.name, pairs)
+    write_table(arguments.out / "validation.csv", rows)
+    write_table(arguments.out / "curves.csv", curves)
     for row in rows:
-        print(", ".join(f"{key} {value}" for key, value in row.items()))
-    return 0
+        print("  ".join(f"{name} {value}" for name, value in row.items()))
 
 
-def compare(experiment, cell, observed):
-    """What differs between one control and the model: at rest, and in motion; m, s."""
-    found = {each.name: each for each in align(observed, experiment)}
+def measures(pairs):
+    """What one comparison says; lengths in m."""
+    found = {pair.name: pair for pair in pairs}
     front, profiles = found["front"], found["profiles"]
-    last = front.time > front.time[-1] - AT_REST
-    rest = profiles.time == profiles.time[-1]
-    thick = rest & ((profiles.measured > 0.0) | (profiles.simulated > 0.0))
-    moving = ~last
+    at_rest = [
+        float(np.mean(values[-LAST_READINGS:])) for values in (front.measured, front.simulated)
+    ]
+    final = profiles.time == profiles.time[-1]
+    thickness = rms(profiles.gap[final])
+    passed = abs(at_rest[1] - at_rest[0]) <= FRONT_LIMIT and thickness <= THICKNESS_LIMIT
     return {
-        "experiment": experiment.name,
-        "cell_size": cell,
-        "front_measured": round(float(front.measured[last].mean()), 4),
-        "front_simulated": round(float(front.simulated[last].mean()), 4),
-        "front_gap": round(float(front.gap[last].mean()), 4),
-        "front_gap_in_motion_rms": round(float(np.sqrt(np.mean(front.gap[moving] ** 2))), 4),
-        "thickness_rms": round(float(np.sqrt(np.mean(profiles.gap[thick] ** 2))), 5),
-        "thickness_largest": round(float(np.abs(profiles.gap[thick]).max()), 5),
+        "front_measured": round(at_rest[0], 4),
+        "front_simulated": round(at_rest[1], 4),
+        "front_difference": round(at_rest[1] - at_rest[0], 4),
+        "final_thickness_rms": round(thickness, 5),
+        "passed": passed,
+        "front_rms_all_times": round(rms(front.gap), 4),
+        "thickness_rms_all_times": round(rms(profiles.gap), 5),
+        "interface_rms_all_times": round(rms(found["interface"].gap), 5),
+        "largest_volume_measured": round(float(found["volume"].measured.max()), 4),
     }
 
 
-def curve_rows(experiment, cell, observed):
-    """Measured and simulated front and final profile, as rows."""
-    found = {each.name: each for each in align(observed, experiment)}
-    front, profiles = found["front"], found["profiles"]
-    rest = profiles.time == profiles.time[-1]
-    sides = [("front", front.time, front, slice(None)), ("profile", profiles.x, profiles, rest)]
-    return [
-        {
-            "experiment": experiment.name,
-            "cell_size": cell,
-            "curve": kind,
-            "at": round(float(at), 4),
-            "measured": round(float(measured), 5),
-            "simulated": round(float(simulated), 5),
-            "sigma": round(float(sigma), 5),
-        }
-        for kind, place, each, own in sides
-        for at, measured, simulated, sigma in zip(
-            place[own], each.measured[own], each.simulated[own], each.sigma[own], strict=True
-        )
-    ]
+def rms(gap):
+    """Root mean square."""
+    return float(np.sqrt(np.mean(gap**2)))
 
 
-def write_rows(path, rows):
-    """Write rows (dicts of the same keys) as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+def curve_rows(name, pairs):
+    """Rows of curves.csv: the front at all times, profiles at some."""
+    rows = []
+    for pair in pairs:
+        if pair.name not in ("front", "profiles"):
+            continue
+        times = np.unique(pair.time)
+        if pair.name == "profiles":
+            times = times[np.linspace(1, len(times) - 1, PROFILES_SHOWN).round().astype(int)]
+        for n in np.flatnonzero(np.isin(pair.time, times)):
+            place = "" if np.isnan(pair.x[n]) else f"{pair.x[n]:.4f}"
+            values = (f"{pair.measured[n]:.5f}", f"{pair.simulated[n]:.5f}")
+            keys = ("experiment", "observable", "time", "x", "measured", "simulated")
+            cells = (name, pair.name, f"{pair.time[n]:.3f}", place, *values)
+            rows.append(dict(zip(keys, cells, strict=True)))
+    return rows
 
 
-# ---------------------------------------------------------------- diagnosis
+# -- what the controls teach ----------------------------------------------------------------------
+
+
+def discrepancy(arguments):
+    """Learn from each control, and judge the other by it: nothing is hidden, so nothing may be found."""
+    base, experiments = load_case(BASELINE), controls(arguments.data)
+    model, rows = VerdictModel.load(), []
+    for one in experiments:
+        others = [other for other in experiments if other is not one]
+        for taught, given in (("nothing", ()), (others[0].name, others)):
+            found = analyse(
+                [one],
+                new_runner(arguments),
+                base,
+                controls=given,
+                cell_size=arguments.cell_size,
+            )
+            answer = verdict(found.evidence, model, found.separability)
+            none = found.evidence.hypotheses["none"]
+            row = {
+                "experiment": one.name,
+                "taught_by": taught,
+                "verdict": " ".join([answer.kind, *answer.effects]),
+                "probability_none": round(answer.probability["none"], 3),
+                "p_value_none": float(f"{none.p_value:.2g}"),
+                "regions": len(found.gap_map.regions),
+            }
+            for level in found.gap_map.by_observable:
+                if not level.experiment:
+                    row[f"ratio_{level.observable}"] = round(level.ratio, 2)
+            if found.discrepancy is not None:
+                row["correlation"] = round(found.discrepancy.correlation, 2)
+                for name, factor in found.discrepancy.factors.items():
+                    row[f"factor_{name}"] = round(factor, 2)
+            rows.append(row)
+    columns = dict.fromkeys(name for row in rows for name in row)
+    write_table(
+        arguments.out / "discrepancy.csv",
+        [{name: row.get(name, "") for name in columns} for row in rows],
+    )
+    for row in rows:
+        print("  ".join(f"{name} {value}" for name, value in row.items()))
+
+
+# -- diagnosis -----------------------------------------------------------------------------------
 
 
 def labelled(arguments):
-    """Diagnose the cases whose cause is known, the controls left out in turn."""
-    folders = sorted((arguments.data / "labelled").iterdir())
-    return answer_all(arguments, folders, arguments.out / "answers_labelled.json")
+    """Diagnose the cases whose cause is told."""
+    folders = [arguments.data / "labelled" / name for name in LABELLED]
+    answers = diagnoses(folders, arguments.out / "labelled", arguments)
+    write_answers(arguments.out / "labelled" / "answers.json", answers)
 
 
 def blind(arguments):
     """Diagnose the cases whose cause is withheld."""
-    folder = arguments.data / "blind"
-    if not folder.is_dir():
-        raise InputError(folder, "folder", "nothing there", "the folder of the blind cases")
-    return answer_all(arguments, sorted(folder.iterdir()), arguments.out / "answers.json")
+    folders = sorted(path for path in (arguments.data / "blind").iterdir() if path.is_dir())
+    answers = diagnoses(folders, arguments.out / "blind", arguments)
+    write_answers(arguments.out / "answers.json", answers)
 
 
-def answer_all(arguments, folders, path):
-    """Diagnose each folder by itself and write the answers and the reports; a finished one is kept."""
-    found = {}
+def diagnoses(folders, out, arguments):
+    """{case: answer}; the report of each goes into a folder of its own."""
+    answers, taught = {}, controls(arguments.data)
     for folder in folders:
-        out = arguments.out / "reports" / folder.name
-        if not (out / FILE_NAME).exists():
-            others = [one for one in controls(arguments.data) if one.name != folder.name]
-            diagnose(
-                [folder],
-                believed(),
-                controls=others,
-                workers=arguments.workers,
-                cache=arguments.cache,
-                folder=out,
-                quiet=False,
-            )
-        found[folder.name] = answer_of(read_report(out))
-        first = max(found[folder.name]["probability"].items(), key=lambda item: item[1])
-        print(folder.name, found[folder.name]["verdict"], f"{first[0]} {first[1]:.2f}", flush=True)
-    write_atomic(path, json.dumps(found, indent=1).encode() + b"\n")
-    return 0
+        scratch = out / folder.name / "full"
+        report = diagnose(
+            [folder],
+            BASELINE,
+            workers=arguments.workers,
+            folder=scratch,
+            cell_size=arguments.cell_size,
+            controls=taught,
+            cache=arguments.cache,
+            quiet=False,
+        )
+        for name in (FILE_NAME, PAGE):  # the page holds its figures
+            shutil.move(scratch / name, out / folder.name / name)
+        shutil.rmtree(scratch)
+        found = report.verdict
+        answers[folder.name] = {
+            "verdict": found.kind,
+            "probability": found.probability,
+            "set": found.set,
+        }
+        best = sorted(found.probability.items(), key=lambda item: -item[1])[:3]
+        told = ", ".join(f"{name} {chance:.2f}" for name, chance in best)
+        print(f"{folder.name}: {found.kind} ({told})", flush=True)
+    return answers
 
 
-PARTS = {"validate": validate, "labelled": labelled, "blind": blind}
+# -- files ---------------------------------------------------------------------------------------
+
+
+def new_runner(arguments):
+    """The runs, with a bar."""
+    return Runner(arguments.cache, arguments.workers, quiet=False)
+
+
+def write_answers(path, answers):
+    """Write answers as `fvcollapse blind score` reads them."""
+    write_atomic(path, (json.dumps(answers, indent=1) + "\n").encode())
+    print(path)
+
+
+def write_table(path, rows):
+    """Write rows as CSV."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(path)
+
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,0 +1,234 @@
+"""The whole diagnosis: by formula, through the command line, and with the solver and its cache."""
+
+import json
+
+import pytest
+from toy_laboratory import ToyRunner, film
+
+import fvcollapse
+from fvcollapse import load_experiment
+from fvcollapse.__main__ import main
+from fvcollapse.cache import make_extract
+from fvcollapse.diagnosis import diagnose as module
+from fvcollapse.diagnosis.diagnose import contenders
+from fvcollapse.diagnosis.effect_library import (
+    Runner,
+    baseline_cases,
+    build_library,
+)
+from fvcollapse.diagnosis.report import read_report
+from fvcollapse.diagnosis.verdict import Verdict
+from fvcollapse.errors import NumericalError
+
+EFFECTS = "lateral_friction,cohesion,gate"
+WALLS = {"lateral_friction": {"mu_wall": 0.22, "pressure_ratio": 0.9}}
+
+
+@pytest.fixture
+def by_formula(monkeypatch):
+    """Runs are formulas."""
+    monkeypatch.setattr(module, "Runner", ToyRunner)
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("experiments")
+    set_ups = ((10.0, 0.1), (16.0, 0.1), (16.0, 0.2))
+    return [
+        film(folder / f"s{s:g}_w{w:g}", s, w, effects=WALLS, seed=n)
+        for n, (s, w) in enumerate(set_ups)
+    ]
+
+
+def test_the_command_writes_a_report(by_formula, folders, tmp_path, capsys):
+    *fitted, held = map(str, folders)
+    out = tmp_path / "out"
+    options = ["--effects", EFFECTS, "--hold-out", held, "--out", str(out), "--quiet"]
+    assert main(["diagnose", *fitted, *options]) == 0
+    report = read_report(out)
+    assert report.verdict.effects == ["lateral_friction"]
+    assert report.verdict.kind == "effect"
+    assert report.reduction.fitted.overall.fraction_closed > 0.9
+    assert report.reduction.held_out.overall.fraction_closed > 0.9
+    assert report.details.confirmation.folds[0].held_out
+    assert report.cost.solver_runs > 50
+    assert set(report.candidates) == set(EFFECTS.split(","))
+    assert report.where.regions
+    assert (out / "report.html").stat().st_size > 10_000
+    assert list((out / "figures").iterdir())
+    printed = capsys.readouterr().out
+    assert "lateral friction" in printed
+    assert str(out / "report.json") in printed
+    content = json.loads((out / "report.json").read_text(encoding="utf-8"))
+    assert content["experiments"] == ["s10_w0.1", "s16_w0.1"]
+    assert content["held_out"] == ["s16_w0.2"]
+
+
+def test_nothing_hidden_needs_no_effect(by_formula, tmp_path):
+    folder = film(tmp_path / "plain")
+    report = fvcollapse.diagnose([folder], effects=("cohesion", "gate"), folder=tmp_path / "out")
+    assert report.verdict.kind == "none"
+    assert report.verdict.effects == []
+    assert report.reduction is None
+    assert report.details.confirmation is None
+    assert [rung.model for rung in report.details.ladder] == ["baseline", "recalibrated"]
+    assert any("No experiment was held out" in line for line in report.details.limits)
+
+
+def test_controls_are_told(by_formula, tmp_path):
+    controls = [
+        film(tmp_path / f"c{n}", slope, swelling=0.05, seed=n)
+        for n, slope in enumerate((10.0, 16.0))
+    ]
+    one = film(tmp_path / "one", 13.0, swelling=0.05, seed=5)
+    report = fvcollapse.diagnose(
+        [one], effects=("cohesion", "gate"), controls=controls, folder=tmp_path / "out"
+    )
+    assert report.verdict.kind == "none"
+    assert report.experiments == ["one"]
+    assert any("controls (c0, c1)" in line for line in report.details.limits)
+
+
+def test_two_calls_give_the_same_report(by_formula, folders):
+    calls = [fvcollapse.diagnose(folders[:1], effects=("cohesion", "gate")) for _ in range(2)]
+    first, second = (call.__class__.__name__ == "Report" and call for call in calls)
+    assert first.verdict == second.verdict
+    assert first.where == second.where
+    assert first.reduction == second.reduction
+
+
+def test_the_truth_is_not_read(by_formula, folders, tmp_path):
+    """A section [truth], right or wrong, changes nothing."""
+    plain = film(tmp_path / "a" / "same", effects=WALLS, seed=3)
+    told = film(tmp_path / "b" / "same", effects=WALLS, seed=3)
+    path = told / "experiment.toml"
+    path.write_text(path.read_text() + '\n[truth]\ncause = "gate"\n', encoding="utf-8")
+    effects = ("lateral_friction", "gate")
+    one, other = (fvcollapse.diagnose([each], effects=effects) for each in (plain, told))
+    assert one.verdict == other.verdict
+
+
+def answer(kind, effects, probability):
+    return Verdict(kind, effects, (), probability, tuple(probability), {})
+
+
+class Evidences:
+    def __init__(self, *names):
+        self.evidence = self
+        self.hypotheses = dict.fromkeys(names)
+
+
+def test_who_climbs_the_ladder():
+    found = Evidences("a", "b", "a+b", "none", "unknown")
+    chance = {"a": 0.6, "b": 0.2, "a+b": 0.1, "none": 0.05, "unknown": 0.05}
+    assert contenders(found, answer("effect", ("a",), chance)) == ("a", "b")
+    assert contenders(found, answer("several", ("a", "b"), chance)) == ("a+b", "a")
+    assert contenders(found, answer("none", (), chance)) == (None, None)
+    assert contenders(found, answer("unknown", (), chance)) == ("a", "b")
+
+
+# -- bad input -----------------------------------------------------------------------------------
+
+
+def refused(capsys, *arguments):
+    """The one line that a call leaves on stderr."""
+    assert main(["diagnose", *map(str, arguments)]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.count("\n") == 1
+    return told.err
+
+
+def test_bad_input_is_one_line(folders, tmp_path, capsys):
+    one, out = folders[0], tmp_path / "out"
+    assert "--effects: found 'walls'" in refused(capsys, one, "--effects", "walls", "--out", out)
+    assert "the name s10_w0.1 twice" in refused(capsys, one, one, "--out", out)
+    assert "the name s10_w0.1 twice" in refused(capsys, one, "--controls", one, "--out", out)
+    assert "no such file" in refused(capsys, tmp_path / "none", "--out", out)
+    assert "--cell-size: found 0.1;" in refused(capsys, one, "--cell-size", "0.1", "--out", out)
+    assert "--workers" in refused(capsys, one, "--workers", "0", "--out", out)
+    case = tmp_path / "case.toml"
+    case.write_text("[geometry]\nslope = 1\n", encoding="utf-8")
+    assert "geometry.slope" in refused(capsys, one, "--case", case, "--out", out)
+    blocked = tmp_path / "file"
+    blocked.write_text("", encoding="utf-8")
+    assert "cannot be written" in refused(capsys, one, "--out", blocked / "out")
+    assert "--out" in refused(capsys, one)
+
+
+# -- with the solver -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory):
+    """An experiment of a tenth of a second."""
+    folder = film(tmp_path_factory.mktemp("real") / "short", 16.0)
+    for name in ("front", "profiles", "volume", "interface"):
+        path = folder / f"{name}.csv"
+        header, *rows = path.read_text(encoding="utf-8").splitlines()
+        kept = [row for row in rows if float(row.split(",")[0]) < 0.1]
+        path.write_text("\n".join([header, *kept]) + "\n", encoding="utf-8")
+    return load_experiment(folder)
+
+
+def short_cases(experiment):
+    """The coarsest cells, and the end of the run at once."""
+    (case,) = baseline_cases([experiment], cell_size=0.028).values()
+    return {experiment.name: case.replace(**{"time.end": 0.1})}
+
+
+def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monkeypatch):
+    calls = []
+
+    def counted(*arguments):
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        make_extract(*arguments)
+        calls.append(arguments)
+
+    monkeypatch.setattr("fvcollapse.cache.make_extract", counted)
+    cases = short_cases(coarse)
+    arguments = [coarse], cases
+    with pytest.raises(KeyboardInterrupt):
+        build_library(*arguments, Runner(tmp_path), ["cohesion"], draws=4)
+    calls.clear()
+    calls.extend([None] * 5)  # past the interruption
+    runner = Runner(tmp_path)
+    found = build_library(*arguments, runner, ["cohesion"], draws=4)
+    assert len(runner.asked) == 2 + 4 + 4
+    assert len(runner.computed) == len(calls) - 5 == 10 - 4
+    again = Runner(tmp_path)
+    same = build_library(*arguments, again, ["cohesion"], draws=4)
+    assert not again.computed
+    assert (same.samples == found.samples).all()
+    assert found.responses["cohesion"][0].differences.any()
+
+
+def test_a_failed_run_is_reported_and_not_repeated_within_a_call(coarse, tmp_path, monkeypatch):
+    def fails(case, *arguments):
+        if case.effects.cohesion is not None:
+            raise NumericalError("it blew up")
+        make_extract(case, *arguments)
+
+    monkeypatch.setattr("fvcollapse.cache.make_extract", fails)
+    found = build_library(
+        [coarse], short_cases(coarse), Runner(tmp_path), ["cohesion", "bed_friction"], draws=4
+    )
+    assert "it blew up" in found.left_out["cohesion"]
+    assert set(found.responses) == {"bed_friction"}
+
+
+def test_observation_of_the_same_flow_costs_no_run(coarse, tmp_path):
+    (case,) = short_cases(coarse).values()
+    section = {"velocity_ratio": 1.4}
+    wanted = {
+        view: (coarse, case.replace(**{"effects.transverse_profile": section | {"view": view}}))
+        for view in ("average", "wall", "centre")
+    }
+    runner = Runner(tmp_path)
+    seen, failures = runner.observations(wanted)
+    assert not failures
+    assert len(runner.asked) == len(runner.computed) == 1
+    fronts = [seen[view].front[-1, 1] for view in ("wall", "average", "centre")]
+    assert fronts == sorted(fronts)
+    assert fronts[0] < fronts[2]
