@@ -36,7 +36,7 @@ def draw(of):
         line[0].set_ylabel("depth (mm)")
     for panel in axes[-1]:
         panel.set_xlabel("pressure (Pa)")
-    axes[0, 3].legend(frameon=False, fontsize="small")
+    axes[0, 3].legend(frameon=False, fontsize="small", loc="lower left")
     save(figure, "paper_18_pressure", of, CAPTION, ("lateral_friction", "viscosity"))
 
 
