@@ -34,7 +34,6 @@ from fvcollapse.diagnosis.report import (
     SetUp,
     Share,
     Verdict,
-    Where,
 )
 from fvcollapse.diagnosis.report_words import observable_name
 from fvcollapse.effects import CATALOGUE, NUISANCE
@@ -334,7 +333,8 @@ def example(kind="effect", probable=0.87):
         experiments=list(FITTED),
         held_out=list(HELD_OUT),
         baseline_case='[geometry]\nslope_angle_deg = 22.0\nheight_0 = 0.14\n\n[rheology]\nlaw = "mu_I"\nmu_1 = 0.48\n',
-        where=Where(regions=[] if kind == "none" else regions, by_observable=gaps(comparisons)),
+        where=[] if kind == "none" else regions,
+        by_observable=gaps(comparisons),
         verdict=Verdict(
             kind=kind,
             effects={"effect": [first], "several": [first, second]}.get(kind, []),

@@ -49,7 +49,8 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
         experiments=[one.name for one in analysis.experiments],
         held_out=[one.name for one in held],
         baseline_case=baseline.to_toml(),
-        where=where(analysis),
+        where=regions_of(analysis),
+        by_observable=levels_of(analysis),
         verdict=form.Verdict(
             kind=verdict.kind,
             effects=list(verdict.effects),
@@ -79,8 +80,8 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
 # -- where ---------------------------------------------------------------------------------------
 
 
-def where(analysis):
-    """Significant regions, and the gap of every observable."""
+def regions_of(analysis):
+    """Significant regions of the gap."""
     found, regions = analysis.gap_map, []
     for each in found.regions:
         regions.append(
@@ -97,8 +98,13 @@ def where(analysis):
                 words=each.text,
             )
         )
+    return regions
+
+
+def levels_of(analysis):
+    """Size of the gap of every observable."""
     observable = analysis.points.observable
-    levels = {
+    return {
         each.observable: form.ObservableGap(
             rms_gap=each.rms,
             combined_uncertainty=each.combined,
@@ -106,10 +112,9 @@ def where(analysis):
             units=each.units,
             points=int(np.count_nonzero(observable == each.observable)),
         )
-        for each in found.by_observable
+        for each in analysis.gap_map.by_observable
         if not each.experiment
     }
-    return form.Where(regions=regions, by_observable=levels)
 
 
 def set_up(experiment):

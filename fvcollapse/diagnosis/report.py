@@ -82,13 +82,6 @@ class ObservableGap(Part):
     points: int
 
 
-class Where(Part):
-    """Significant regions, and the gap of each observable by name."""
-
-    regions: list[Region]
-    by_observable: dict[str, ObservableGap]
-
-
 # -- which ---------------------------------------------------------------------------------------
 
 
@@ -343,7 +336,7 @@ class Comparison(Part):
     simulated, z : dict
         Key of `RUNGS` -> (n,) values, and gaps in combined standard uncertainties.
     region : (n,)
-        Index into `where.regions` of the region that a point belongs to; None: in none.
+        Index into `where` of the region that a point belongs to; None: in none.
     phase : (n,)
         One of `points.PHASES`; empty: not stated.
     """
@@ -420,7 +413,10 @@ class Report(Part, kw_only=True):
         Names of the experiments that were fitted, and of those that were not.
     baseline_case : str
         Resolved case of the baseline (TOML).
-    where : Where
+    where : list of Region
+        The significant ones.
+    by_observable : dict
+        Observable -> `ObservableGap`.
     verdict : Verdict
     candidates : dict
         Effect -> `Candidate`.
@@ -437,7 +433,8 @@ class Report(Part, kw_only=True):
     experiments: list[str]
     held_out: list[str]
     baseline_case: str
-    where: Where
+    where: list[Region]
+    by_observable: dict[str, ObservableGap]
     verdict: Verdict
     candidates: dict[str, Candidate]
     reduction: Reductions | None
@@ -587,12 +584,12 @@ def candidate_contradictions(report):
 def where_contradictions(report):
     """Regions of an experiment that is not compared, and ranges that run backwards."""
     compared = {*report.experiments, *report.held_out}
-    for n, region in enumerate(report.where.regions):
+    for n, region in enumerate(report.where):
         if region.experiment not in compared:
-            yield f"where.regions[{n}]", f"the experiment {region.experiment!r}, not compared"
+            yield f"where[{n}]", f"the experiment {region.experiment!r}, not compared"
         for span in (region.t_range, region.x_range):
             if span is not None and span[0] > span[1]:
-                yield f"where.regions[{n}]", f"the range {span}"
+                yield f"where[{n}]", f"the range {span}"
     for name in set(report.experiments) & set(report.held_out):
         yield "held_out", f"{name!r}, which was fitted as well"
 
@@ -611,7 +608,7 @@ def comparison_contradictions(report):
             yield key, f"the experiment {one.experiment!r}, not compared"
         for model in {*one.simulated, *one.z} - set(RUNGS):
             yield key, f"the model {model!r}"
-        if any(index is not None and index >= len(report.where.regions) for index in one.region):
+        if any(index is not None and index >= len(report.where) for index in one.region):
             yield key, "a region that does not exist"
 
 

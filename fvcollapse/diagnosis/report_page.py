@@ -89,7 +89,7 @@ def render(report, chapters):
         confirmed=report.details.confirmation and words.wording(report.details.confirmation),
         rungs=RUNGS,
         set_ups=set_up_rows(report),
-        regions=sorted(report.where.regions, key=lambda region: -region.significance),
+        regions=sorted(report.where, key=lambda region: -region.significance),
         regions_open=REGIONS_OPEN,
         groups_open=GROUPS_OPEN,
         gaps=gap_rows(report),
@@ -137,7 +137,7 @@ def overlay_groups(report, overlays):
 def gap_rows(report):
     """(observable, rms gap, combined uncertainty, unit, ratio, points) as shown."""
     rows = []
-    for name, gap in report.where.by_observable.items():
+    for name, gap in report.by_observable.items():
         factor, unit = words.shown_gap(name, gap.units)
         rms, combined = (
             words.number(factor * part, 2) for part in (gap.rms_gap, gap.combined_uncertainty)

@@ -191,7 +191,7 @@ def answer(report):
 
 def where_sentence(report):
     """Where the gap lies."""
-    regions = report.where.regions
+    regions = report.where
     if not regions:
         text = (
             "Nowhere do simulation and experiment differ by more than the uncertainties of "
@@ -216,7 +216,7 @@ def none_sentences(report):
     """What "none" means."""
     chance = percent(report.verdict.probability[NONE])
     text = f"No effect has to be added to the model to explain these data (probability {chance})."
-    if report.where.regions:
+    if report.where:
         text += " The differences above are of a size that a model without any missing effect shows as well."
     return [text]
 

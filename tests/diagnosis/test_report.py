@@ -28,6 +28,7 @@ KEYS = {
     "held_out",
     "baseline_case",
     "where",
+    "by_observable",
     "verdict",
     "candidates",
     "reduction",
@@ -66,10 +67,10 @@ def test_keys_are_those_of_the_interface(tree):
     assert tree["format"] == "fvcollapse-report"
     assert tree["experiments"] == list(FITTED)
     assert tree["held_out"] == list(HELD_OUT)
-    region = tree["where"]["regions"][0]
+    region = tree["where"][0]
     stable = {"experiment", "observable", "t_range", "x_range", "gap", "units", "significance"}
     assert stable <= set(region)
-    for gap in tree["where"]["by_observable"].values():
+    for gap in tree["by_observable"].values():
         assert {"rms_gap", "combined_uncertainty", "ratio"} <= set(gap)
     assert {"kind", "effects", "indistinguishable", "probability"} <= set(tree["verdict"])
     for candidate in tree["candidates"].values():
