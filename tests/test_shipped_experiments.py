@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from fvcollapse import load_experiment
-from runs.experiments import convert
+from fvcollapse.curves import FORMS
+from runs.experiments import convert, make_examples
 
 SHIPPED = Path(convert.__file__).parent
 FOLDERS = sorted(path.parent for path in SHIPPED.rglob("experiment.toml"))
@@ -49,3 +50,37 @@ def test_ratios_become_lengths_and_near_points_one_experiment(tmp_path):
     assert [scalar.value for scalar in both.scalars] == pytest.approx([0.08 * 2.8, 0.08 * 0.9])
     (alone,) = load_experiment(folder / "a2.00").scalars
     assert alone.name == "final_height"
+
+
+@pytest.mark.parametrize("name", make_examples.EXAMPLES)
+def test_example_hides_a_cause_that_is_not_read(name):
+    experiment = load_experiment(SHIPPED / name)
+    assert set(experiment.curves) == set(FORMS)
+    true = make_examples.truth(name, make_examples.CELL_SIZE)
+    stated = experiment.case()
+    assert true.effects.lateral_friction is not None
+    assert true.geometry == stated.geometry
+    assert true.rheology.mu_1 != stated.rheology.mu_1
+    sigma = experiment.standard_deviation("mu_1")
+    assert abs(true.rheology.mu_1 - stated.rheology.mu_1) < sigma
+    settings = (SHIPPED / name / "experiment.toml").read_text(encoding="utf-8")
+    hidden = settings.partition("[truth]")[2]
+    assert f"mu_wall = {true.effects.lateral_friction.mu_wall}" in hidden
+
+
+def test_examples_are_small():
+    files = [path for name in make_examples.EXAMPLES for path in (SHIPPED / name).iterdir()]
+    assert sum(path.stat().st_size for path in files) < 100_000
+
+
+def test_settings_of_an_example_are_made_again_alike(tmp_path):
+    for name in make_examples.EXAMPLES:
+        make_examples.write_settings(tmp_path / name, name, make_examples.CELL_SIZE)
+        text = (tmp_path / name / "experiment.toml").read_text(encoding="utf-8")
+        assert text == (SHIPPED / name / "experiment.toml").read_text(encoding="utf-8")
+
+
+def test_thinned_film_keeps_whole_frames():
+    rows = [f"{time},{place},0" for time in (0.0, 0.1, 0.2, 0.3) for place in range(4)]
+    text = make_examples.thinned("\n".join(["t_s,x_m,h_m", *rows]) + "\n", "profiles")
+    assert text.splitlines()[1:] == ["0.0,0,0", "0.0,2,0", "0.3,0,0", "0.3,2,0"]

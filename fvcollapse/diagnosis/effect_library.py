@@ -18,13 +18,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import norm
 
-from fvcollapse.cache import RunCache, default_folder
+from fvcollapse.cache import EXTRACT, RunCache, default_folder
 from fvcollapse.case import GRAVITY
 from fvcollapse.case_keys import as_table
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
-from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.errors import CaseError, InputError, NumericalError
 from fvcollapse.observables import observe
 
 # cells of the coarser grid, in the height and in the length of the column at least
@@ -328,7 +328,7 @@ class Runner:
         """
         flows = {label: flow_case(case) for label, (_, case) in wanted.items()}
         places = {label: self.cache.place(case) for label, case in flows.items()}
-        missing = {places[label] for label, case in flows.items() if not self.cache.get(case)}
+        missing = {place for place in places.values() if not (place / EXTRACT).exists()}
         self.asked |= set(places.values())
         self.computed |= missing
         runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
@@ -417,10 +417,14 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
         for one in everyone:
             case = with_nuisances(cases[one.name], one.name, quantities, row)
             wanted["draw", n, one.name] = (one, case)
-    for name in chosen:
-        for one in experiments:
-            if acts_in(name, cases[one.name]):
-                wanted |= level_cases(closures[name], one, cases[one.name])
+    for name in tuple(chosen):
+        try:
+            for one in experiments:
+                if acts_in(name, cases[one.name]):
+                    wanted |= level_cases(closures[name], one, cases[one.name])
+        except CaseError as error:
+            left_out[name] = f"{error.key} cannot be {error.found} in this case"
+            chosen.remove(name)
     reading = Reading(choose_points(everyone), *runner.observations(wanted))
     samples, kept = reading.ensemble(draws)
     responses = {}

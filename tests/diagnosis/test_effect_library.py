@@ -268,6 +268,16 @@ def test_an_effect_without_a_trace_is_left_out(tmp_path):
     assert found.responses == {}
 
 
+def test_an_effect_that_the_case_refuses_is_left_out(experiments, cases, monkeypatch):
+    prior = CATALOGUE["cohesion"].priors["kappa_0"]._replace(first=1.0e4, second=1.0e6)
+    effect = CATALOGUE["cohesion"]._replace(priors={"kappa_0": prior})
+    monkeypatch.setitem(CATALOGUE, "cohesion", effect)
+    effects = ["cohesion", "bed_friction"]
+    found = build_library(experiments[:1], cases, ToyRunner(), effects, draws=4)
+    assert set(found.responses) == {"bed_friction"}
+    assert "effects.cohesion.kappa_0 cannot be" in found.left_out["cohesion"]
+
+
 class Failing(ToyRunner):
     """Fails where a label says so."""
 
