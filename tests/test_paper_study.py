@@ -209,7 +209,7 @@ def test_viscosity_of_equation_6():
         (1.6, 0.2, "within", (1.5, 1.7), OPEN),
         (1.9, 0.1, "within", (1.5, 1.7), REFUTED),
         (math.nan, 0.1, "above", 0.5, OPEN),
-        (1.0, math.nan, "above", 0.5, CONFIRMED),
+        (1.0, math.nan, "above", 0.5, OPEN),
     ],
 )
 def test_verdict_on_a_clause(value, error, sense, limit, verdict):
@@ -277,17 +277,24 @@ def written(tmp_path):
 
 
 def test_numbers_and_their_uncertainty(written):
-    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.1))  # finer grid
-    assert written.value("back0.18_a22_w10", "value") == pytest.approx((0.7, 0.1))  # of muI
+    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.3))  # finer grid
+    assert written.value("back0.18_a22_w10", "value") == pytest.approx((0.7, 0.3))  # of muI
     assert math.isnan(written.value("muI_a22_w10", "nothing").value)
     assert written.cell_size("muI_a22_w10", 1.5) == 4.0
 
 
+def test_where_there_is_a_convergence_study_its_index_is_the_uncertainty(written):
+    assert written.index("muI_a22_w10", "runout_5mm_m") > 0.0
+    assert written.index("eta1_a22_winf", "runout_5mm_m") > 0.0
+    assert written.index("muI_a22_w10", "value") == 0.0
+    assert written.index("muI_a10_w10", "runout_5mm_m") == 0.0
+
+
 def test_what_two_runs_share_is_no_uncertainty_of_their_difference(written):
     found = written.difference("muI_a22_w10", "eta1_a22_w10", "value")
-    assert found == pytest.approx((0.18, 0.02))
+    assert found == pytest.approx((0.18, 0.06))
     found = written.difference("muI_a22_w10", "back0.18_a22_w10", "value")
-    assert found == pytest.approx((0.3, math.hypot(0.1, 0.1)))
+    assert found == pytest.approx((0.3, math.hypot(0.3, 0.3)))
 
 
 def test_curves_are_read_back(written):

@@ -28,9 +28,10 @@ HEAD = (
 INTRODUCTION = """# The paper's statements, measured
 
 Written by `python -m runs.paper.statements` from the tables of the study; no verdict is written by hand. Values are
-those of {fine} mm cells, and the number after ± is their grid uncertainty: how much they differ from those of {coarse}
-mm cells (a case run on the coarse cells alone has its value there and the uncertainty of µ(I) at the same slope and
-width; "?" where there is none). A statement is confirmed when every clause is beyond its limit by more than that, not
+those of {fine} mm cells, and the number after ± is their grid uncertainty: the index of the stored convergence study of
+the same slope and width, where that has the number, else three times their difference to those of {coarse} mm cells (a
+case run on the coarse cells alone has its value there and the uncertainty of µ(I) at the same slope and width; "?":
+none known, then one cannot tell). A statement is confirmed when every clause is beyond its limit by more than that, not
 confirmed when one is on the other side by as much, and cannot be told otherwise. Of many clauses the range is given,
 and those that are not confirmed one by one; all of them are in statements.csv. Fronts are where the layer is thinner
 than 5 mm unless said.

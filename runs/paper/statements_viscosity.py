@@ -126,17 +126,15 @@ def range_of_viscosity(t):
 @claim(
     "VIII.A",
     "I goes from 1e-3 at the interface to about 1 at surface and front",
-    "1 and 99 % of the flowing volume at peak velocity, within a factor of 3 of 1e-3 and 1",
+    "quantiles of the flowing volume do not tell the values at interface, surface and front",
 )
 def range_of_inertial_number(t):
-    return [
-        Clause(f"{a}° {label}", *t.value(muI(a, "w10"), column), "within", limits)
-        for a in (0, 10, 16, 22)
-        for label, column, limits in (
-            ("low", "I_p01", (1e-3 / 3, 3e-3)),
-            ("high", "I_p99", (1 / 3, 3.0)),
-        )
-    ]
+    rows = [t.row(muI(a, "w10"), 1.5) for a in (0, 10, 16, 22)]
+    low, high = ([row[name] for row in rows] for name in ("I_p01", "I_p99"))
+    return [], (
+        f"1 and 99 % of the flowing volume at peak velocity: {min(low):.2g} to {max(low):.2g} and "
+        f"{min(high):.2g} to {max(high):.2g}"
+    )
 
 
 @claim(

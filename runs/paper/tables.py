@@ -7,7 +7,9 @@ stays where it is. Its velocity is not in the tables: it follows from the front 
 """
 
 import csv
+import json
 import math
+import operator
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -22,6 +24,18 @@ SCALARS, CURVES = "scalars.csv", "curves.csv"
 RUN = ("case", "refinement", "cell_size_mm")
 HEAD = (*RUN, "quantity", "t_s", "x_m", "axis", "start", "step", "values")
 FINE = 1.5  # refinement that gives the uncertainty of the tables
+SAFETY = 3.0  # of the difference of two grids, as in the grid convergence index of Roache (1994)
+CONVERGENCE = HERE.parent / "convergence"
+WIDTHS = {"w10": "w10cm", "winf": "winf"}  # of the stored convergence studies
+STUDIED = {  # column of the tables: observable of these studies
+    "runout_10mm_m": "runout_10mm",
+    "runout_5mm_m": "runout",
+    "runout_1mm_m": "runout_1mm",
+    "x_99_m": "x_99",
+    "final_height_m": "final_thickness",
+    "peak_velocity_m_s": "peak_front_velocity",
+    "arrest_s": "arrest_time",
+}
 VELOCITY = "velocity_m_s"
 SAME_TIME = 0.011  # s; half the interval of the profiles, and a little
 
@@ -128,16 +142,26 @@ class Tables:
     def value(self, case, column):
         """A number with its grid uncertainty, `Measured`.
 
-        The number is that of the finer grid, where there is one, and the uncertainty its difference
-        to the one 1.5 times coarser. A case that was run on the coarse grid alone has the
-        uncertainty of mu(I) with the same slope and width.
+        The number is that of the finer grid, where there is one. The uncertainty is the grid
+        convergence index of the stored study of this slope and width, where that has the number,
+        else `SAFETY` times the difference to the grid 1.5 times coarser. A case that was run on the
+        coarse grid alone has the uncertainty of mu(I) with the same slope and width.
         """
         value = self.row(case, FINE if self.on_both(case) else 1.0)[column]
         for name in (case, reference(case)):
             if self.on_both(name):
                 fine, coarse = self.row(name, FINE)[column], self.row(name)[column]
-                return Measured(value, abs(fine - coarse))
+                index = self.index(case, column) * abs(value)
+                return Measured(value, index or SAFETY * abs(fine - coarse))
         return Measured(value)
+
+    def index(self, case, column):
+        """Grid convergence index (a fraction) of the convergence study of this slope and width; 0 without one."""
+        slope, width = re.search(r"_a(\d+)_(w\w+)$", case).groups()
+        path = CONVERGENCE / f"collapse_{slope}deg_{WIDTHS.get(width)}.json"
+        if column not in STUDIED or not path.exists():
+            return 0.0
+        return json.loads(path.read_text(encoding="utf-8"))[STUDIED[column]]["gci"] or 0.0
 
     def on_both(self, *cases):
         """Whether all these cases were run on both grids."""
@@ -147,23 +171,28 @@ class Tables:
         """The number of `case` less that of `other`, `Measured`.
 
         Where both were run on both grids the uncertainty is that of the difference: what two runs
-        have in common does not count. Otherwise both numbers are those of the coarse grid, and the
-        two uncertainties are added as squares.
+        have in common does not count. Two set-ups that both have an index add these as squares.
+        Otherwise both numbers are those of the coarse grid, and the two uncertainties are added as
+        squares.
         """
-        if self.on_both(case, other):
+        indexed = reference(case) != reference(other) and self.index(case, column)
+        indexed = indexed and self.index(other, column)
+        if self.on_both(case, other) and not indexed:
             return self.measure(lambda r: self.row(case, r)[column] - self.row(other, r)[column])
         ours, theirs = self.value(case, column), self.value(other, column)
         uncertainty = math.hypot(ours.uncertainty, theirs.uncertainty)
-        return Measured(self.row(case)[column] - self.row(other)[column], uncertainty)
+        refinement = FINE if self.on_both(case, other) else 1.0
+        rows = (self.row(name, refinement) for name in (case, other))
+        return Measured(operator.sub(*(row[column] for row in rows)), uncertainty)
 
     def measure(self, function):
-        """`function(refinement)` on the finer grid, its change from the coarse one as uncertainty."""
+        """`function(refinement)` on the finer grid, `SAFETY` times its change from the coarse one as uncertainty."""
         coarse = function(1.0)
         try:
             fine = function(FINE)
         except MissingRun:
             return Measured(coarse)
-        return Measured(fine, abs(fine - coarse))
+        return Measured(fine, SAFETY * abs(fine - coarse))
 
     def line(self, case, quantity, t=None, x=None, refinement=1.0):
         """The `Line` of a quantity, nearest to a time [s] and a place [m] where they matter.

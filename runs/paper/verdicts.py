@@ -22,7 +22,7 @@ class Clause(NamedTuple):
     label : str
         Which case, in a word or two.
     value, uncertainty : float
-        NaN: not measured; an uncertainty that is not known counts as none and is printed as "?".
+        NaN: not measured; with an uncertainty that is not known, "?", one cannot tell.
     sense : str
         "above", "below" or "within".
     limit : float or (float, float)
@@ -39,7 +39,7 @@ class Clause(NamedTuple):
     @property
     def verdict(self):
         """One of the three verdicts."""
-        if math.isnan(self.value):
+        if math.isnan(self.value) or math.isnan(self.uncertainty):
             return OPEN
         if self.sense == "within":
             low, high = self.limit
@@ -48,10 +48,11 @@ class Clause(NamedTuple):
                 self._replace(sense="below", limit=high),
             ]
             return combined([side.verdict for side in sides])
-        slack = 0.0 if math.isnan(self.uncertainty) else self.uncertainty
         sign = 1.0 if self.sense == "above" else -1.0
         beyond = sign * (self.value - self.limit)
-        return CONFIRMED if beyond > slack else REFUTED if beyond <= -slack else OPEN
+        if beyond > self.uncertainty:
+            return CONFIRMED
+        return REFUTED if beyond <= -self.uncertainty else OPEN
 
     def text(self):
         """The label, the value and its uncertainty."""
