@@ -219,7 +219,10 @@ def with_hypothesis(case, analysis, name):
 
 def judge(analysis, candidate, experiment, seen, hypotheses):
     """The `Choice` of a candidate from its simulated outcomes."""
-    experiment = with_readings(experiment, candidate.observables, seen["base"])
+    end = min(
+        float(each.front[-1, 0]) for each in seen.values()
+    )  # some may be longer runs of others
+    experiment = with_readings(experiment, candidate.observables, seen["base"], end)
     points = choose_points((experiment,))
     values = {label: points.simulated({experiment.name: each}) for label, each in seen.items()}
     base = values["base"]
@@ -273,9 +276,9 @@ def strength_spread(analysis, name):
     return min(1.0, float(np.linalg.norm(white[1] - white[0]) / (3.29 * size))) if size else 0.0
 
 
-def with_readings(experiment, observables, observed):
-    """The experiment with what would be read: the baseline, at every frame and place."""
-    frames = np.arange(FRAME, float(observed.front[-1, 0]), FRAME)
+def with_readings(experiment, observables, observed, end):
+    """The experiment with what would be read: the baseline, at every frame up to `end` (s) and place."""
+    frames = np.arange(FRAME, end, FRAME)
     places = np.arange(0.5 * PLACE, 1.1 * float(observed.front[:, 1].max()), PLACE)
     curves = {}
     for name in observables:

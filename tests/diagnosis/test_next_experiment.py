@@ -66,7 +66,7 @@ def test_what_is_not_measured_yet_is_a_candidate(analysis):
 def test_readings_of_a_planned_experiment_are_those_of_the_baseline(analysis):
     (experiment,) = analysis.experiments
     seen = analysis.library.seen[experiment.name]
-    read = with_readings(experiment, ("front", "profiles"), seen)
+    read = with_readings(experiment, ("front", "profiles"), seen, float(seen.front[-1, 0]))
     points = choose_points((read,))
     assert 100 < len(points) < 300
     assert points.measured == pytest.approx(points.simulated({read.name: seen}), abs=1e-9)
