@@ -16,8 +16,7 @@ Raw evidences are over-confident; the verdict layer turns them into probabilitie
 
 References
 ----------
-Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773; Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425;
-Mendell & Elston (1974), Biometrics 30, 41 (probability of several bounds, one after the other).
+Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773; Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
 from dataclasses import dataclass
@@ -27,8 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import logsumexp
 from scipy.stats import chi2, qmc
+
+from fvcollapse.diagnosis.orthant import log_probability_positive
 
 DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
 UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
@@ -60,7 +61,8 @@ class Hypothesis(NamedTuple):
     variant : tuple of int
         Most probable closure of each effect; empty for none and unknown.
     u, low, high : (d,) arrays
-        Most probable quantiles of the parameters (of a pair: of both), 5 % and 95 % of the posterior.
+        Most probable quantiles of the parameters (of a pair: of both), and the ends of their intervals
+        of 90 %.
     p_value : float
         Chi-square of the residual at u and sigma, of all points.
     p_by_run, p_by_phase : dict
@@ -221,7 +223,7 @@ class Comparison:
             np.argmax(posterior.log_likelihood), posterior.log_likelihood.shape
         )
         u, sigma = posterior.nodes[row], float(DISCREPANCIES[column])
-        low, high = intervals(posterior)
+        low, high = intervals(posterior, u)
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)
         share = np.log(len(closures))
@@ -350,7 +352,9 @@ class Seen:
         residual = self.bound_gap + weights @ own.bound_columns[:, levels].T
         expected = own.coupling @ self.gap + weights @ (own.coupling @ own.columns[:, levels]).T
         expected = expected + (met * shrunk) @ own_errors.T
-        spread = np.einsum("im,qm,jm->qij", own_errors, shrunk, own_errors) + own.bound_covariance
+        products = own_errors.T[:, :, None] * own_errors.T[:, None, :]
+        spread = np.tensordot(shrunk, products, 1)
+        spread += own.bound_covariance
         beyond = own.side * (expected - residual)
         return log_values + log_probability_positive(beyond, spread, own.side)
 
@@ -360,36 +364,6 @@ class Seen:
         residual = self.gap + self.whitened.solve(difference[self.whitened.values])
         rest = residual - basis @ (basis.T @ residual)
         return float(rest @ rest / max(len(rest) - basis.shape[1], 1))
-
-
-def log_probability_positive(mean, covariance, side):
-    """Logarithm of P(side x > 0 for all components), (q,); exact for one, Mendell-Elston for more.
-
-    Parameters
-    ----------
-    mean : (q, n) array
-        Of side x.
-    covariance : (q or 1, n, n) array
-        Of x.
-    side : (n,) array
-        +1 or -1.
-    """
-    mean = mean.copy()
-    covariance = np.broadcast_to(covariance, (len(mean), *covariance.shape[1:]))
-    covariance = covariance * side[:, None] * side
-    total = np.zeros(len(mean))
-    for i in range(mean.shape[1]):
-        deviation = np.sqrt(covariance[:, i, i])
-        z = mean[:, i] / deviation
-        log_p = log_ndtr(z)
-        total += log_p
-        # moments of a normal variable that is known to be positive
-        ratio = np.exp(-0.5 * z**2 - 0.5 * np.log(2.0 * np.pi) - log_p)
-        shrink = ratio * (ratio + z)
-        row = covariance[:, i] / deviation[:, None]
-        mean = mean + ratio[:, None] * row
-        covariance = covariance - shrink[:, None, None] * row[:, :, None] * row[:, None, :]
-    return total
 
 
 def joined(first, second):
@@ -480,16 +454,21 @@ def unit_nodes(d):
     return qmc.Sobol(d, seed=0).random(NODES_SOBOL)
 
 
-def intervals(posterior, level=0.9):
-    """Ends (d,), (d,) of the central posterior intervals of the quantiles."""
+def intervals(posterior, u, level=0.9):
+    """Ends (d,), (d,) of the shortest posterior intervals of the quantiles that contain u (d,).
+
+    Not the central ones: where the likelihood falls from the end of a prior, they leave out its maximum.
+    """
     total = logsumexp(posterior.log_likelihood, axis=1)
     weights = np.exp(total - logsumexp(total))
-    ends = []
-    for share in (0.5 * (1.0 - level), 0.5 * (1.0 + level)):
-        end = []
-        for column in posterior.nodes.T:
-            order = np.argsort(column)
-            middle = np.cumsum(weights[order]) - 0.5 * weights[order]
-            end.append(np.interp(share, middle, column[order]))
-        ends.append(np.array(end))
-    return ends
+    below = np.linspace(0.0, 1.0 - level, 101)
+    low, high = np.empty(len(u)), np.empty(len(u))
+    for axis, column in enumerate(posterior.nodes.T):
+        order = np.argsort(column)
+        middle = np.cumsum(weights[order]) - 0.5 * weights[order]
+        lows = np.interp(below, middle, column[order])
+        highs = np.interp(below + level, middle, column[order])
+        around = (lows <= u[axis]) & (u[axis] <= highs)
+        best = np.argmin(np.where(around, highs - lows, np.inf))
+        low[axis], high[axis] = lows[best], highs[best]
+    return low, high

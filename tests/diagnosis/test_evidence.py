@@ -12,8 +12,9 @@ from fvcollapse.diagnosis.evidence import (
     DISCREPANCIES,
     UNKNOWN_DISCREPANCIES,
     Comparison,
+    Posterior,
     compare,
-    log_probability_positive,
+    intervals,
     sigma_weights,
 )
 
@@ -259,11 +260,12 @@ def test_a_bound_beyond_is_the_probability_that_it_holds():
     assert found.log_evidence()["arms"] == pytest.approx(expected, abs=0.01)
 
 
-def test_several_bounds_are_nearly_exact():
-    covariance = np.array([[1.0, 0.5, 0.2], [0.5, 2.0, -0.4], [0.2, -0.4, 1.5]])
-    side = np.array([1.0, -1.0, 1.0])
-    for mean in ([0.5, -0.3, 1.0], [-1.0, 0.2, 0.4], [4.0, 6.0, 5.0]):
-        found = log_probability_positive(np.array([mean]), covariance[None], side)[0]
-        turned = covariance * np.outer(side, side)
-        exact = multivariate_normal(cov=turned).cdf(np.array(mean))
-        assert found == pytest.approx(np.log(exact), abs=0.03)
+def test_an_interval_holds_the_most_probable_value_and_no_less_than_its_share():
+    nodes = (np.arange(1000)[:, None] + 0.5) / 1000
+    falling = Posterior(0.0, nodes, -nodes / 0.1)  # from the end of the prior
+    low, high = intervals(falling, nodes[0])
+    assert low[0] <= nodes[0, 0] < 0.001
+    assert high[0] == pytest.approx(0.1 * np.log(10.0), rel=0.01)
+    normal = Posterior(0.0, nodes, -0.5 * ((nodes - 0.5) / 0.1) ** 2)
+    low, high = intervals(normal, np.array([0.5]))
+    assert [low[0], high[0]] == pytest.approx([0.5 - 0.1645, 0.5 + 0.1645], abs=0.002)
