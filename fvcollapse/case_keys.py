@@ -74,15 +74,18 @@ def parse_toml(text, source, refuse=InputError):
 # -- the table of all keys ---------------------------------------------------------------------
 
 
+@cache
 def sections(model, prefix=""):
     """Each table inside a model as (dotted name, model), outer before inner."""
+    found = []
     for name, hint in get_type_hints(model).items():
         for part in (hint, *get_args(hint)):
             if isinstance(part, type) and issubclass(part, Section):
-                yield prefix + name, part
-                yield from sections(part, f"{prefix}{name}.")
+                found += [(prefix + name, part), *sections(part, f"{prefix}{name}.")]
+    return tuple(found)
 
 
+@cache
 def key_metas(model):
     """The `key(...)` of each key of one table, by name."""
     metas = {}

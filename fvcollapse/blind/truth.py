@@ -39,8 +39,8 @@ class ForcedSimulation(Simulation):
         self.forces = forces
         super().__init__(case, state)
 
-    def _advect_momentum(self, old_level_set, dt):
-        u_star, w_star = super()._advect_momentum(old_level_set, dt)
+    def _advect_momentum(self, old_level_set, packing, dt):
+        u_star, w_star = super()._advect_momentum(old_level_set, packing, dt)
         slope = self.case.geometry.slope_angle_deg
         brake(self.forces, u_star, w_star, dt, self.spacing[0], slope)
         return u_star, w_star
