@@ -141,7 +141,8 @@ def test_a_real_suite_on_coarse_cells(tmp_path):
     for path in (tmp_path / "suite").glob("*/*/experiment.toml"):
         experiment = load_experiment(path.parent)
         front = experiment.curves["front"]
-        assert front.value[0] == pytest.approx(0.2, abs=0.02)
+        cell = 0.14 / 4.2  # within which the front of a vertical face is read
+        assert 0.18 < front.value[0] < 0.22 + cell
         assert front.value[-1] > 0.3
         height = experiment.curves["profiles"].value
         assert np.max(height) == pytest.approx(0.14, abs=0.012)
