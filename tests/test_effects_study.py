@@ -11,7 +11,7 @@ from fvcollapse.effects import CATALOGUE, OBSERVATION
 from runs.effects import study
 
 CELL = 0.02
-SOME = ("gate", "transverse_profile", "front_saltation", "tilt", "time_origin")
+SOME = ("gate", "front_saltation", "time_origin")
 
 
 def short_baseline(slope, cell_size, whole=study.baseline):

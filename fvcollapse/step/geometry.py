@@ -277,7 +277,9 @@ def repeat_columns(field, first, last):
     period = last - first
     for i in range(field.shape[0]):
         if i < first or i >= last:
-            field[i] = field[first + (i - first) % period]
+            same = first + (i - first) % period
+            for k in range(field.shape[1]):
+                field[i, k] = field[same, k]
 
 
 @njit(cache=True)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from .arrays import copy
 from .cell_transport import transport_cells
 from .dilatancy import (
     FULL_SWEEPS,
@@ -178,8 +179,8 @@ def respond(
             work.share[0],
         )
     else:
-        work.local_friction[:] = work.settled_friction
-    work.extra_friction[:] = work.local_friction
+        copy(work.local_friction, work.settled_friction)
+    copy(work.extra_friction, work.local_friction)
     if response.length > 0.0:
         cooperate(
             work.extra_friction,

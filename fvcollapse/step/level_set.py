@@ -124,7 +124,9 @@ def close_bed(phi):
 def padded(extended, phi):
     """Copy phi with three ghost layers, continued linearly."""
     nx, nz = phi.shape
-    extended[3 : nx + 3, 3 : nz + 3] = phi
+    for i in range(nx):
+        for k in range(nz):
+            extended[i + 3, k + 3] = phi[i, k]
     for m in range(1, 4):
         for k in range(3, nz + 3):
             extended[3 - m, k] = (m + 1) * extended[3, k] - m * extended[4, k]
@@ -381,7 +383,9 @@ def correct_volume(phi, mobility, packing, target, h):
     q = 1e-4 * h if missing > 0.0 else -1e-4 * h
     gap = missing
     for _ in range(12):
-        phi[:] = original - q * mobility
+        for i in range(phi.shape[0]):
+            for k in range(phi.shape[1]):
+                phi[i, k] = original[i, k] - q * mobility[i, k]
         gap = target - volume(phi, packing)
         if abs(gap) <= 1e-12 * target or gap == gap_old:
             break

@@ -16,6 +16,7 @@ Rudman (1998), Int. J. Numer. Meth. Fluids 28, 357, for the mass-consistent flux
 import numpy as np
 from numba import njit
 
+from .arrays import average
 from .geometry import polygon_moments, wetted_edge
 from .stencils import upwind_weno3
 
@@ -216,10 +217,14 @@ def with_ghosts(field, slip, odd_x, odd_z):
     """
     nx, nz = field.shape
     padded = np.empty((nx + 4, nz + 4))
-    padded[2 : nx + 2, 2 : nz + 2] = field
+    for i in range(nx):
+        for k in range(nz):
+            padded[i + 2, k + 2] = field[i, k]
     for m in range(2):
-        padded[1 - m, 2 : nz + 2] = -field[1 + m] if odd_x else field[m]
-        padded[nx + 2 + m, 2 : nz + 2] = field[nx - 1] + (m + 1) * (field[nx - 1] - field[nx - 2])
+        for k in range(nz):
+            last, before = field[nx - 1, k], field[nx - 2, k]
+            padded[1 - m, k + 2] = -field[1 + m, k] if odd_x else field[m, k]
+            padded[nx + 2 + m, k + 2] = last + (m + 1) * (last - before)
     for m in range(2):
         for i in range(nx + 4):
             inner = padded[i, 3 + m] if odd_z else padded[i, 2 + m]
@@ -292,8 +297,9 @@ def transport(moved, start, padded, mass, along, across, end, reach, di, dk, sha
                 here, place = i * width + k - hop, (i + 2) * wide + k + 2 - leap
                 _pass_on(gained, into, out, old, values, here, hop, place, leap, across[i, k])
     _let_out(gain, arriving, leaving, start, padded, di, end)
-    moved[:] = start
     for i in range(start.shape[0]):
+        for k in range(start.shape[1]):
+            moved[i, k] = start[i, k]
         for k in range(min(reach[i] + 1, start.shape[1])):
             arrives, leaves = arriving[i, k], leaving[i, k]
             after = max(mass[i, k] + arrives - leaves, max(arrives, leaves))
@@ -378,7 +384,7 @@ def advect_momentum(
         0,
         shape_factor,
     )
-    u_star[:] = 0.5 * (u_star + second)
+    average(u_star, second)
     second = np.empty_like(w)
     transport(
         w_star,
@@ -406,4 +412,4 @@ def advect_momentum(
         1,
         shape_factor,
     )
-    w_star[:] = 0.5 * (w_star + second)
+    average(w_star, second)

@@ -2,6 +2,7 @@
 
 from numba import njit
 
+from .arrays import copy, scale
 from .gate import fill_gate
 from .geometry import (
     fill_cells,
@@ -29,7 +30,7 @@ def place(geometry, level_set, packing, gate_column, open_end):
         Whether the grains may leave through the far end.
     """
     aperture = geometry.aperture
-    geometry.packing[:] = packing
+    copy(geometry.packing, packing)
     fill_cells(geometry.filled, geometry.lever_x, geometry.lever_z, level_set, aperture)
     fill_faces(
         geometry.mass_x,
@@ -39,7 +40,7 @@ def place(geometry, level_set, packing, gate_column, open_end):
         geometry.lever_z,
         packing,
     )
-    geometry.mass_x[:] *= aperture  # what the gate holds back does not move with u
+    scale(geometry.mass_x, aperture)  # what the gate holds back does not move with u
     fill_walls(geometry.bed_cover, geometry.wall_cover, level_set)
     fill_gate(geometry.gate_cover, level_set, aperture, gate_column)
     fill_reach(geometry.reach, geometry.filled)

@@ -3,8 +3,9 @@
     python runs/experiments/convert.py --data FOLDER
 
 FOLDER holds the published data (lab/mangeney2010, lab/lajeunesse2005_digitised). Writes
-runs/experiments/mangeney2010_0deg and runs/experiments/lajeunesse2005/a<aspect ratio>; `--out` takes
-them elsewhere.
+runs/experiments/mangeney2010_0deg, runs/experiments/lajeunesse2005/a<aspect ratio>, and, from what one
+paper says of its slopes in words, runs/experiments/martin2017/<slope>_<width>; `--out` takes them
+elsewhere.
 """
 
 import argparse
@@ -27,6 +28,17 @@ SAME_ASPECT = 0.03  # relative; a runout and a height this close are taken for o
 CHANNEL_AREA = 0.0064  # m2 of column; the figures give ratios only, so the size is an assumption
 CHANNEL_WIDTH = 0.045  # m
 BEAD = 0.00115  # m
+# Martin et al. 2017 of slope [deg] and width [m]: runout at most [m], whole mass stopped at most at [s]
+MARTIN = {
+    (10, 0.10): (0.70, 1.00),
+    (10, 0.20): (0.70, 1.02),
+    (22, 0.10): (1.60, 1.76),
+    (22, 0.20): (1.60, 1.80),
+}
+SALTATION = 0.02  # m; error of the runout stated there
+# s; a film shows no motion long before nothing is faster than 1 mm/s: in the reference collapse of this
+# solver (runs/collapse_22deg_w10cm.toml) the front is in place at 1.76 s, and that speed reached at 2.40 s
+LAST_GRAINS = 0.6
 
 
 def main():
@@ -37,6 +49,7 @@ def main():
     arguments = parser.parse_args()
     mangeney(arguments.data / "lab" / "mangeney2010", arguments.out)
     lajeunesse(arguments.data / "lab" / "lajeunesse2005_digitised", arguments.out)
+    martin(arguments.out)
 
 
 def mangeney(data, out):
@@ -65,7 +78,36 @@ def mangeney(data, out):
         "material.avalanche_angle_deg": float(given["avalanche angle"]),
     }
     final = float(given["h_f (max deposit thickness)"])
-    write(out / "mangeney2010_0deg", settings, runout=(runout, READ_OFF), height=(final, READ_OFF))
+    values = measured(runout=(runout, READ_OFF), final_height=(final, READ_OFF))
+    write(out / "mangeney2010_0deg", settings, values)
+
+
+def martin(out):
+    """Collapses on slopes, of which only bounds are printed."""
+    for (slope, width), (runout, stop) in MARTIN.items():
+        settings = {
+            "title": f"Martin et al. 2017, {slope} deg, w = {100 * width:g} cm",
+            "source": (
+                "bounds in the text and the axes of Martin et al. (2017, Phys. Fluids 29, 013301): "
+                "at 10 deg the deposit lies within 0.7 m (figure 3), at 22 deg 1.6 m is much "
+                "larger than the observed runout (section VII); the latest time that is shown is "
+                "when the whole mass has stopped; +-2 cm from jumping beads. No curve is supplied"
+            ),
+            "geometry.slope_angle_deg": float(slope),
+            "geometry.height_0": 0.14,
+            "geometry.length_0": 0.20,
+            "geometry.channel_width": width,
+            "gate.speed": 2.3,
+            "material.grain_diameter": 0.7e-3,
+            "material.density_grain": 2500.0,
+            "material.solid_fraction": 0.62,
+        }
+        bounds = [
+            Scalar("runout", runout, SALTATION, "upper"),
+            Scalar("time_stop", stop, LAST_GRAINS, "upper"),
+        ]
+        folder = out / "martin2017" / f"martin2017_{slope}deg_w{100 * width:g}cm"
+        write(folder, settings, bounds)
 
 
 def lajeunesse(data, out):
@@ -110,7 +152,8 @@ def channel_column(out, aspect, runout_ratio, height_ratio):
     if height_ratio is not None:
         scatter = SCATTER_HEIGHT if aspect > 0.7 else 0.0
         height = (height_ratio * length, math.hypot(PIXELS, scatter) * height_ratio * length)
-    write(out / "lajeunesse2005" / f"a{aspect:.2f}", settings, runout, height)
+    values = measured(runout=runout, final_height=height)
+    write(out / "lajeunesse2005" / f"a{aspect:.2f}", settings, values)
 
 
 def table(path):
@@ -124,13 +167,13 @@ def points(path, name):
     return {float(row["a_H0_over_L0"]): float(row[name]) for row in table(path)}
 
 
-def write(folder, settings, runout=None, height=None):
+def measured(**pairs):
+    """The `Scalar`s of (value, standard deviation), without those that are None."""
+    return [Scalar(name, *pair, "value") for name, pair in pairs.items() if pair is not None]
+
+
+def write(folder, settings, scalars):
     """Write an experiment folder, and read it back."""
-    scalars = [
-        Scalar(name, *pair, "value")
-        for name, pair in (("runout", runout), ("final_height", height))
-        if pair is not None
-    ]
     rounded = {
         name: float(f"{value:.6g}") if isinstance(value, float) else value
         for name, value in settings.items()

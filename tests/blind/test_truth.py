@@ -1,7 +1,6 @@
 """Truths are runs of the solver; a force of no strength leaves them as they are."""
 
 import numpy as np
-import pytest
 
 from fvcollapse.blind.truth import run_truth
 from fvcollapse.case import Case
