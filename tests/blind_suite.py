@@ -9,7 +9,7 @@ from fvcollapse.errors import NumericalError
 CLASSES = ("none", "unknown", "gate", "cohesion+gate")
 
 
-def wedge(path, threshold, readings):
+def wedge(path, case, label):
     """What is seen of a wedge whose foot moves with a speed that the file tells."""
     speed = float(path.read_text())
     time, x = np.linspace(0.0, 2.0, 81), np.linspace(0.0, 1.8, 181)

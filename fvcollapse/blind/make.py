@@ -270,7 +270,7 @@ def write_case(folder, label, truths):
     """Write the experiment folders of a case, all files with the same date."""
     for name, each in label["experiments"].items():
         set_up, case = SET_UPS[name], case_from_text(each["case"])
-        view = view_of(truths / f"{name}.h5", case.front.thickness, each["readings"])
+        view = view_of(truths / f"{name}.h5", case, each)
         rng = np.random.default_rng(each["noise"])
         texts = film(view, set_up.end, set_up.reach, ERRORS, rng)
         (folder / name).mkdir(parents=True, exist_ok=True)

@@ -150,6 +150,8 @@ def alarms(outcomes):
         "false_alarm_on_none": share(one.verdict != NONE for one in nothing),
         "effect_named_on_none": share(one.verdict in NAMED for one in nothing),
         "unknown": fate(unknown),
+        "single": verdicts([one for one in outcomes if class_of(one.truth) == "single"]),
+        "pair": verdicts([one for one in outcomes if class_of(one.truth) == "pair"]),
         "unknown_by_kind": {
             kind: fate(group) for kind, group in grouped(unknown, lambda one: one.kind or "?")
         },
@@ -162,6 +164,21 @@ def fate(outcomes):
         "found": share(one.verdict == UNKNOWN for one in outcomes),
         "wrongly_named": share(one.verdict in NAMED for one in outcomes),
         "missed": share(one.verdict == NONE for one in outcomes),
+    }
+
+
+def verdicts(outcomes):
+    """What the verdict says of known causes: the cause alone, another one, none or unknown."""
+    named = [
+        set((*one.names, *one.ranked())[:1]) if one.verdict in NAMED else set() for one in outcomes
+    ]
+    return {
+        "named": share(one.truth in own for one, own in zip(outcomes, named, strict=True)),
+        "wrongly_named": share(
+            bool(own) and one.truth not in own for one, own in zip(outcomes, named, strict=True)
+        ),
+        "taken_for_none": share(one.verdict == NONE for one in outcomes),
+        "taken_for_unknown": share(one.verdict == UNKNOWN for one in outcomes),
     }
 
 
@@ -306,16 +323,16 @@ def reduction_scores(rows, tolerance=0.15):
     Parameters
     ----------
     rows : list of dict
-        With `predicted`, `actual` and `runner_up` (each may be None): fractions of the gap closed.
+        Fractions of the gap closed, each may be None: `predicted` and `actual` of the fitted experiments,
+        `winner` (absent: `actual`) and `runner_up` of those held out.
     tolerance : float
         Largest difference that counts as right.
     """
     both = [
         (r["predicted"], r["actual"]) for r in rows if None not in (r["predicted"], r["actual"])
     ]
-    duel = [
-        (r["actual"], r["runner_up"]) for r in rows if None not in (r["actual"], r["runner_up"])
-    ]
+    duels = [(r.get("winner", r["actual"]), r["runner_up"]) for r in rows]
+    duel = [pair for pair in duels if None not in pair]
     table = {
         "within_tolerance": share(abs(p - a) <= tolerance for p, a in both),
         "winner_beats_runner_up": share(a > b for a, b in duel),

@@ -184,8 +184,8 @@ def problems(answer):
 def problems_of_extras(answer):
     """What is wrong in the parts that an answer need not have."""
     reduction = answer.get("reduction", {})
-    keys = ("predicted", "actual", "runner_up")
-    if not isinstance(reduction, dict) or (reduction and set(reduction) != set(keys)):
+    keys = ("predicted", "actual", "runner_up")  # and "winner", where an experiment was held out
+    if not isinstance(reduction, dict) or (reduction and set(reduction) - {"winner"} != set(keys)):
         yield "reduction", repr(reduction), f"an object of {', '.join(keys)}"
     elif any(value is not None and not is_number(value) for value in reduction.values()):
         yield "reduction", repr(reduction), "numbers or null"
@@ -334,12 +334,13 @@ def answer_of(report):
         },
     }
     if "winner" in rungs:
-        winner = rungs["winner"].held_out or rungs["winner"].fitted
-        second = rungs.get("runner_up")
+        fitted, second = rungs["winner"].fitted, rungs.get("runner_up")
+        winner = rungs["winner"].held_out or fitted
         second = (second.held_out or second.fitted) if second else None
         answer["reduction"] = {
-            "predicted": winner.predicted,
-            "actual": winner.fraction_closed,
+            "predicted": fitted.predicted,  # by the emulator, which knows the fitted experiments
+            "actual": fitted.fraction_closed,
+            "winner": winner.fraction_closed,
             "runner_up": second.fraction_closed if second else None,
         }
     return answer

@@ -22,7 +22,7 @@ from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
-from fvcollapse.diagnosis.verdict import FOLDS, class_of, fit, verdict
+from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.experiment import SETTINGS, load_experiment
 from fvcollapse.files import write_atomic
@@ -81,7 +81,7 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
     workers, scheduler, quiet
         See `workers.run_all`.
     **options
-        `cache`, `cell_size`, `draws`, `effects` and `seed` of the diagnosis.
+        `cache`, `cell_size`, `draws`, `effects`, `refinements` and `seed` of the diagnosis.
 
     Returns
     -------
@@ -277,17 +277,18 @@ SIMPLE = {
 # -- training, answering -----------------------------------------------------------------------------------
 
 
-def make_training(per_class, folder, seed, labels=None, **options):
+def make_training(per_class, folder, seed, labels=None, first=None, **options):
     """Make a training suite: `per_class` cases of every effect, and of the others `SHARES` times that.
 
-    See `make` for the rest.
+    They are in random order: the `first` of them, if that is given, are a smaller suite. See `make` for
+    the rest.
     """
     classes = [name for name in known_effects() for _ in range(per_class)]
     counts = {name: round(share * per_class) for name, share in SHARES.items()}
     classes += [NONE] * counts[NONE] + [UNKNOWN] * counts[UNKNOWN]
     rng = np.random.default_rng([seed, 1])
     classes += [draw_pair(rng) for _ in range(counts["several"])]
-    classes = rng.permutation(classes).tolist()
+    classes = rng.permutation(classes).tolist()[:first]
     style = options.pop("style", TRAINING)
     return make(len(classes), folder, labels, style=style, classes=classes, seed=seed, **options)
 
@@ -310,11 +311,9 @@ def train(suites, about=None):
     suites : sequence of (str or Path, str or Path)
         Folder of the evidence, and labels, of each.
     """
-    cases = []
-    for out, labels in suites:
-        found = read_suite(out, labels).values()
-        cases += [(evidence, entry["label"]["cause"]) for evidence, entry in found]
-    return fit(cases, known_effects(), about)
+    found = [pair for out, labels in suites for pair in read_suite(out, labels).values()]
+    cases = [(evidence, entry["label"]["cause"]) for evidence, entry in found]
+    return fit(cases, known_effects(), about, [e["label"]["unknown_kind"] for _, e in found])
 
 
 def answers(out, model=None, simple=None):
@@ -332,9 +331,18 @@ def answers(out, model=None, simple=None):
         content, evidence = read_evidence(path)
         if simple is not None:
             found[path.stem] = simple_answer(SIMPLE[simple](content["simple"]), evidence)
-        else:
-            found[path.stem] = answer(content, verdict(evidence, model))
+            continue
+        if model is not None and not model.covers(evidence):
+            allowed = "a verdict layer that was fitted with them: fit it again"
+            raise InputError(path, "hypotheses", "effects that the model does not know", allowed)
+        found[path.stem] = answer(content, verdict(evidence, model))
     return found
+
+
+def no_answer(names):
+    """The answer to a case that could not be compared: what was known before, and every name open."""
+    prior = dict(zip(names, class_prior(names).tolist(), strict=True))
+    return {"verdict": UNKNOWN, "probability": prior, "set": list(names), "parameters": {}}
 
 
 def answer(content, found):
@@ -390,12 +398,10 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
             part[members] = folds + sorted({k for _, k in groups if k}).index(kind)
     outcomes = []
     for number in np.unique(part):
-        known = [
-            (evidence, entry["label"]["cause"])
-            for (evidence, entry), own in zip(cases, part, strict=True)
-            if own != number
-        ]
-        model = fit(known, known_effects())
+        rest = [pair for pair, own in zip(cases, part, strict=True) if own != number]
+        known = [(evidence, entry["label"]["cause"]) for evidence, entry in rest]
+        kinds = [entry["label"]["unknown_kind"] for _, entry in rest]
+        model = fit(known, known_effects(), kinds=kinds)
         for (evidence, entry), own in zip(cases, part, strict=True):
             if own == number:
                 found, label = verdict(evidence, model), entry["label"]

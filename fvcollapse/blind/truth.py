@@ -16,6 +16,8 @@ from fvcollapse.output import Job
 from fvcollapse.result import Result, open_result
 from fvcollapse.simulation import Simulation
 
+SEEDS = 2**31  # of the scatter of jumping grains
+
 
 class View(NamedTuple):
     """What is seen of a collapse, without noise; SI units, t = 0 when the gate starts.
@@ -79,19 +81,21 @@ def keep_truth(case_text, forces, path):
         write_atomic(path, extract_image(run_truth(case_from_text(case_text), forces)))
 
 
-def view_of(path, threshold, readings):
+def view_of(path, case, label):
     """What is seen of the truth in a file.
 
     Parameters
     ----------
     path : Path
-    threshold : float
-        Thickness that defines the front [m].
-    readings : sequence of dict
-        Wrong readings, see `outside`.
+    case : Case
+        Of the truth; jumping grains jump as they like: not as they do in a diagnosis, nor alike in two runs.
+    label : dict
+        Of the experiment: its wrong `readings` (see `outside`), and the seed of its `noise`.
     """
-    seen = observe(open_result(path), front_thickness=threshold)
+    if case.effects.front_saltation is not None:
+        case = case.replace(**{"effects.front_saltation.seed": label["noise"] % SEEDS})
+    seen = observe(open_result(path), front_thickness=case.front.thickness, case=case)
     time, x, thickness = as_grid(seen.profiles)
     static_height = as_grid(seen.interface)[2]
     view = View(seen.front, seen.volume, time, x, thickness, static_height)
-    return read_wrongly(readings, threshold, view)
+    return read_wrongly(label["readings"], case.front.thickness, view)

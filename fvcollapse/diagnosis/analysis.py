@@ -11,9 +11,9 @@ import numpy as np
 
 from fvcollapse.diagnosis.controls import condition, learn
 from fvcollapse.diagnosis.covariance import (
+    calibration_covariance,
     discrepancy_amplitude,
     discrepancy_kernel,
-    ensemble_covariance,
     measurement_covariance,
     numerical_covariance,
 )
@@ -194,7 +194,7 @@ def compare_library(library, experiments, controls=(), seed=0):
     measurement = measurement_covariance(every, sensitivity)
     ratio = 1.0 / REFINEMENT
     numerical = numerical_covariance(every, library.coarse, library.fine, ratio, ORDER, "fine")
-    mean, calibration = ensemble_covariance(library.samples)
+    mean, calibration = calibration_of(library)
     known = measurement + numerical + calibration
     amplitude = discrepancy_amplitude(every, np.diag(calibration))
     kernel = discrepancy_kernel(every, amplitude)
@@ -243,6 +243,20 @@ def own_responses(responses, own):
         ]
         for name, given in responses.items()
     }
+
+
+def calibration_of(library):
+    """Mean of the ensemble (N,) and Sigma_nu (N, N)."""
+    linear = sensitivities(library)
+    drawn = library.draws - library.draws.mean(axis=0)
+    mean = library.samples.mean(axis=0)
+    rest = library.samples - mean - drawn @ linear
+    entering = [
+        sum(name in each.experiments for each in library.quantities)
+        for name in library.points.names
+    ]
+    spare = max(len(library.draws) - 1 - max(entering), 1)
+    return calibration_covariance(library.samples, linear, rest, spare)
 
 
 def sensitivities(library):

@@ -5,8 +5,8 @@
 Sigma_D holds the scatter of single points and what a whole run shares: the scale of its thicknesses,
 the origin of X and the clock. Sigma_num is what two grids differ by, fully correlated inside a run.
 Sigma_nu is the covariance of an ensemble of runs with calibrated parameters and set-up drawn from their
-uncertainty (the clock excepted: it is in Sigma_D). K_delta is the discrepancy that remains when every
-parameter is right.
+uncertainty (the clock excepted: it is in Sigma_D): that of its regression on what was drawn, and of the
+rest. K_delta is the discrepancy that remains when every parameter is right.
 
 References
 ----------
@@ -123,6 +123,30 @@ def ensemble_covariance(samples):
     np.fill_diagonal(correlation, 1.0)
     scale = np.sqrt((1.0 + 1.0 / m) * variance)
     return mean, correlation * np.outer(scale, scale)
+
+
+def calibration_covariance(samples, linear, rest, spare):
+    """Mean (N,) of an ensemble and Sigma_nu (N, N), symmetric positive definite.
+
+    Twenty runs drawn in a dozen directions say little about any one direction: their plain covariance has
+    far too little variance in most (the fitted amplitude of a smooth effect is off by up to twice its
+    standard deviation where nothing acts). Their regression knows every direction; only what it leaves
+    is described by the covariance of the samples.
+
+    Parameters
+    ----------
+    samples : (m, N) array
+        Runs.
+    linear : (n, N) array
+        Change per standard deviation of each quantity.
+    rest : (m, N) array
+        Samples - mean - what the regression gives.
+    spare : int
+        m - 1 - number of quantities that enter one run, >= 1.
+    """
+    m = len(samples)
+    _, left = ensemble_covariance(rest)
+    return samples.mean(axis=0), (1.0 + 1.0 / m) * linear.T @ linear + (m - 1.0) / spare * left
 
 
 def correlation_shrinkage(scaled, correlation):

@@ -24,9 +24,11 @@ Santner, Williams & Notz (2018), The design and analysis of computer experiments
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 
 CORRELATION_LENGTH = 0.7  # of the process, in quantiles
 NUGGET = 1.0e-10
@@ -82,7 +84,7 @@ class Response:
         errors = np.empty((m, differences.shape[1]))
         for j in range(m):
             rest = np.arange(len(levels)) != j
-            weights, variance = kriging(levels[rest], levels[j : j + 1])
+            weights, variance = Kriging(levels[rest])(levels[j : j + 1])
             error = differences[j] - weights[0] @ differences[rest]
             errors[j] = error / np.sqrt(variance[0])
         errors *= np.sqrt((1.0 + 2.0 / m) / m * (1.0 if levels.shape[1] == 1 else SEVERAL))
@@ -104,7 +106,12 @@ class Response:
 
     def weights(self, u):
         """Weights of the levels (q, n) and kriging variance (q,) at u (q, d)."""
-        return kriging(self.levels, u)
+        return self.kriging(u)
+
+    @cached_property
+    def kriging(self):
+        """The weights and the variance as a function of u (q, d)."""
+        return Kriging(self.levels)
 
     def at(self, u):
         """Difference to the baseline, (N,) for u (d,) and (q, N) for u (q, d)."""
@@ -119,27 +126,33 @@ class Response:
         return variance[0] * (self.errors.T @ self.errors)
 
 
-def kriging(levels, u):
-    """Universal-kriging weights (q, n) and variance (q,), of a process of variance 1.
+class Kriging:
+    """Universal kriging from some levels, of a process of variance 1.
 
     Parameters
     ----------
     levels : (n, d) array
         Where the function is known.
-    u : (q, d) array
-        Where it is wanted.
     """
-    terms = richest_trend(levels)
-    trend = monomials(levels, terms)
-    n, p = trend.shape
-    system = np.zeros((n + p, n + p))
-    system[:n, :n] = correlation(levels, levels) + NUGGET * np.eye(n)
-    system[:n, n:], system[n:, :n] = trend, trend.T
-    near = correlation(levels, u)
-    solution = np.linalg.solve(system, np.vstack([near, monomials(u, terms).T]))
-    weights = solution[:n]
-    variance = 1.0 - 2.0 * (weights * near).sum(0) + (weights * (system[:n, :n] @ weights)).sum(0)
-    return weights.T, np.maximum(variance, 0.0)
+
+    def __init__(self, levels):
+        self.levels, self.terms = levels, richest_trend(levels)
+        trend = monomials(levels, self.terms)
+        n, p = trend.shape
+        system = np.zeros((n + p, n + p))
+        system[:n, :n] = correlation(levels, levels) + NUGGET * np.eye(n)
+        system[:n, n:], system[n:, :n] = trend, trend.T
+        self.covariance, self.factors = system[:n, :n], lu_factor(system)
+
+    def __call__(self, u):
+        """Weights of the levels (q, n) and variance (q,) at u (q, d)."""
+        near = correlation(self.levels, u)
+        wanted = np.vstack([near, monomials(u, self.terms).T])
+        weights = lu_solve(self.factors, wanted, check_finite=False)[: len(near)]
+        variance = (
+            1.0 - 2.0 * (weights * near).sum(0) + (weights * (self.covariance @ weights)).sum(0)
+        )
+        return weights.T, np.maximum(variance, 0.0)
 
 
 def correlation(a, b):

@@ -34,6 +34,7 @@ from fvcollapse.diagnosis.effect_library import (
 from fvcollapse.diagnosis.gap_map import beyond_bounds
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
+from fvcollapse.errors import CaseError
 
 LEAST_QUANTILE = 0.01  # of the prior of a parameter of an effect, and 1 - this the largest
 MOST_DEVIATIONS = 3.0  # of a calibrated parameter from its value
@@ -136,11 +137,16 @@ def climb(analysis, runner, winner=None, runner_up=None, hold_out=(), case=None,
     fits = {model: problem.fit(name, everything) for model, name in names.items()}
     fits[BASELINE] = Fit({}, np.zeros(len(problem.quantities)))
     held = baseline_cases(hold_out, case, cell_size)
-    wanted = {}
-    for one in (*analysis.experiments, *hold_out):
-        base = held.get(one.name) or analysis.library.cases[one.name]
-        for model, fit in fits.items():
-            wanted[model, None, one.name] = (one, problem.case(fit, one, base))
+    wanted, told = {}, []
+    for model, fit in tuple(fits.items()):
+        try:
+            for one in (*analysis.experiments, *hold_out):
+                base = held.get(one.name) or analysis.library.cases[one.name]
+                wanted[model, None, one.name] = (one, problem.case(fit, one, base))
+        except CaseError as error:  # two effects that cannot be together
+            told.append(f"{model}: {error}")
+            wanted = {key: each for key, each in wanted.items() if key[0] != model}
+            del fits[model], names[model]
     for one in hold_out:
         wanted["coarse", None, one.name] = (one, held[one.name])
     folds = analysis.experiments if not hold_out and len(analysis.experiments) > 1 else ()
@@ -153,7 +159,7 @@ def climb(analysis, runner, winner=None, runner_up=None, hold_out=(), case=None,
                 model_case = problem.case(fit, one, analysis.library.cases[one.name])
                 wanted[f"{model} without", None, one.name] = (one, model_case)
     seen, failures = runner.observations(wanted)
-    told = [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
+    told += [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
     reading = Reading(analysis.points, seen, failures)
     shifts, covariance = problem.after_controls(fits)
     fitted = Group(

@@ -237,7 +237,7 @@ def standardised(rows, names, fill, model=None):
 # -- fitting -------------------------------------------------------------------------------------
 
 
-def fit(suite, effects, about=None):
+def fit(suite, effects, about=None, kinds=None):
     """The `VerdictModel` of a suite.
 
     Parameters
@@ -248,6 +248,8 @@ def fit(suite, effects, about=None):
         Effects of the catalogue.
     about : dict, optional
         What the suite is, kept with the model.
+    kinds : sequence of str or None, optional
+        Kind of each unknown: its conformal scores are of models that have not seen its kind.
 
     Raises
     ------
@@ -270,7 +272,7 @@ def fit(suite, effects, about=None):
     mean, scale = table.mean(axis=0), table.std(axis=0)
     scale = np.where(scale > 1.0e-9, scale, 1.0)
     table = (table - mean) / scale
-    scores = out_of_fold(table, truth, classes)
+    scores = out_of_fold(table, truth, classes, kinds)
     coefficients, intercept = regression(table, truth, classes)
     return VerdictModel(
         effects=effects,
@@ -319,12 +321,19 @@ def regression(table, truth, classes):
     return model.coef_[order], model.intercept_[order]
 
 
-def out_of_fold(table, truth, classes, seed=0):
-    """1 - probability of the true class, (m,), each case judged by a model fitted without its fold."""
+def out_of_fold(table, truth, classes, kinds=None, seed=0):
+    """1 - probability of the true class, (m,), each case judged by a model fitted without its fold.
+
+    Cases of one kind are in one fold: what is unknown is of a kind that was never seen.
+    """
     fold, rng = np.empty(len(truth), int), np.random.default_rng(seed)
     for name in classes:
         own = np.flatnonzero(truth == name)
         fold[own] = rng.permutation(len(own)) % FOLDS
+    kinds = np.array([kind or "" for kind in kinds or [None] * len(truth)])
+    several = sorted(set(kinds) - {""})
+    for number, kind in enumerate(several if len(several) > 1 else ()):
+        fold[kinds == kind] = number % FOLDS
     scores, index = np.empty(len(truth)), {name: k for k, name in enumerate(classes)}
     for number in range(FOLDS):
         rest, own = fold != number, np.flatnonzero(fold == number)
@@ -416,9 +425,9 @@ def verdict(evidence, model=None, separability=None):
     """
     if model is None or not model.covers(evidence):
         return tempered(evidence, separability)
-    shares = capped(model.probabilities(evidence), model.cap)
-    p_values = model.conformal(shares)
-    probability = in_order(named(evidence, shares))
+    shares = model.probabilities(evidence)
+    p_values = model.conformal(shares)  # before the cap: the scores of the suite have none
+    probability = in_order(named(evidence, capped(shares, model.cap)))
     conformal = {name: p_values.get(class_of(name), 0.0) for name in probability}
     kept = tuple(name for name in probability if is_open(name, probability, conformal))
     if NONE in kept:

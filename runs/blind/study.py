@@ -1,6 +1,6 @@
 """The blind check of the diagnosis, step by step; what is finished is not computed again.
 
-    python -m runs.blind.study training   [--per-class 40]  training suite, out/blind/training
+    python -m runs.blind.study training   [--per-class 40 --first 300]  training suite, out/blind/training
     python -m runs.blind.study fit                          its evidence, and the verdict layer fitted to it
     python -m runs.blind.study make       [--cases 220]     the blind suite; commit runs/blind/SEAL.json
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
@@ -18,7 +18,8 @@ import shutil
 import sys
 from pathlib import Path
 
-from fvcollapse.blind.make import SEAL, make
+from fvcollapse.blind.generator import NONE, TRAINING, UNKNOWN, known_effects
+from fvcollapse.blind.make import SEAL, SEAL_FORMAT, make, read_json
 from fvcollapse.blind.metrics import NAMED, reduction_scores
 from fvcollapse.blind.score import answer_of, score, table, write_scores
 from fvcollapse.blind.suite import (
@@ -29,10 +30,12 @@ from fvcollapse.blind.suite import (
     design_of,
     distances,
     make_training,
+    no_answer,
     study,
     train,
     write_answers,
 )
+from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
 from fvcollapse.diagnosis.verdict import VerdictModel
@@ -66,9 +69,12 @@ def parse(argv):
     parser.add_argument("--out", type=Path, default=Path("out/blind"), help="folder of the suites")
     parser.add_argument("--tables", type=Path, default=HERE, help="folder of seal, answers, scores")
     parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
+    parser.add_argument("--first", type=int, help="only the first training cases; default all")
+    parser.add_argument("--nothing", type=int, default=60, help="further cases of none; default 60")
     parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
     parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
     parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
+    parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
     parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
     parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
     return parser.parse_args(argv)
@@ -78,7 +84,21 @@ def make_training_suite(arguments):
     """Truths of the training suite."""
     folder = arguments.out / "training"
     make_training(
-        arguments.per_class, folder, TRAINING_SEED, workers=arguments.workers, quiet=False
+        arguments.per_class,
+        folder,
+        TRAINING_SEED,
+        first=arguments.first,
+        workers=arguments.workers,
+        quiet=False,
+    )
+    make(
+        arguments.nothing,
+        arguments.out / "training_none",
+        style=TRAINING,
+        classes=[NONE] * arguments.nothing,
+        seed=TRAINING_SEED + 1,
+        workers=arguments.workers,
+        quiet=False,
     )
     return 0
 
@@ -89,6 +109,7 @@ def options_of(arguments):
         "cache": arguments.cache,
         "cell_size": arguments.cell_size,
         "workers": arguments.workers,
+        "refinements": arguments.refinements,
         "quiet": False,
     }
 
@@ -104,9 +125,12 @@ def compare(arguments, suite):
 
 def fit_verdict(arguments):
     """Evidence of the training suite, the verdict layer, and its scores on cases left out."""
-    labels = arguments.out / "training.labels.json"
-    suites = [(compare(arguments, "training"), labels)]
-    model = train(suites, {"seed": TRAINING_SEED, "per_class": arguments.per_class})
+    suites = [
+        (compare(arguments, name), arguments.out / f"{name}.labels.json")
+        for name in ("training", "training_none")
+    ]
+    about = {"seed": TRAINING_SEED, "per_class": arguments.per_class, "first": arguments.first}
+    model = train(suites, about)
     model.save()
     scores = cross_validated(suites)
     write_scores(arguments.tables / "training_scores.json", scores)
@@ -129,11 +153,22 @@ def answer_blind_suite(arguments):
         allowed = "no answers: a suite is answered once"
         raise InputError(path, "file", "answers that are already there", allowed)
     evidence = compare(arguments, "blind")
+    model = VerdictModel.load()
+    if model is None:
+        raise InputError(path, "verdict", "no fitted verdict layer", "the step fit before")
+    cases = [case.name for case in case_folders(arguments.out / "blind")]
     for name in SIMPLE:
-        write_answers(arguments.tables / f"answers_{name}.json", answers(evidence, simple=name))
-    write_answers(path, answers(evidence, VerdictModel.load()))
+        found = answers(evidence, simple=name)
+        write_answers(arguments.tables / f"answers_{name}.json", completed(found, cases))
+    write_answers(path, completed(answers(evidence, model), cases))
     print(path)
     return 0
+
+
+def completed(found, cases):
+    """Answers to all cases: one that could not be compared is answered without the data."""
+    names = (*known_effects(), NONE, UNKNOWN)
+    return {case: found.get(case) or no_answer(names) for case in cases}
 
 
 def reduce_gaps(arguments):
@@ -155,6 +190,7 @@ def held_out_report(case, folder, arguments):
         return read_report(folder)
     *fitted, held_out = (case / name for name in design_of(case))
     options = options_of(arguments)
+    del options["refinements"]
     try:
         return diagnose(fitted, hold_out=[held_out], folder=folder, **options)
     except NumericalError as error:
@@ -165,6 +201,9 @@ def held_out_report(case, folder, arguments):
 def score_answers(arguments):
     """Distances of the true causes, and all scores."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
+    published, kept = (read_json(each / SEAL, SEAL_FORMAT) for each in (arguments.tables, folder))
+    if published != kept:
+        raise InputError(folder / SEAL, "file", "another seal", f"that of {arguments.tables}")
     path = arguments.tables / "distances.json"
     if not path.exists():
         found = distances(folder, labels, **options_of(arguments))

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import pickle
+import shutil
 
 import h5py
 import numpy as np
@@ -17,16 +18,24 @@ from fvcollapse.checkpoint import read_checkpoint
 from fvcollapse.errors import InputError, OutputError
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def case():
     return Case().replace(**{"grid.cell_size": 0.03, "time.end": 0.06, "time.field_interval": 0.03})
 
 
+@pytest.fixture(scope="module")
+def finished(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(output, "Simulation", FakeSimulation)
+        output.run_case(case, folder, quiet=True)
+    return folder
+
+
 @pytest.fixture
-def folder(case, monkeypatch, tmp_path):
+def folder(finished, monkeypatch, tmp_path):
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
-    output.run_case(case, tmp_path / "run", quiet=True)
-    return tmp_path / "run"
+    return shutil.copytree(finished, tmp_path / "run")
 
 
 def truncate(part):

@@ -1,6 +1,7 @@
 """The seal is opened only for what was sealed, and answers are what the interface says."""
 
 import json
+import shutil
 
 import pytest
 from blind_suite import make_wedges
@@ -31,10 +32,17 @@ RIGHT = {
 }
 
 
+@pytest.fixture(scope="module")
+def whole_suite(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as patch:
+        make_wedges(patch, folder / "suite")
+    return folder
+
+
 @pytest.fixture
-def suite(tmp_path, monkeypatch):
-    make_wedges(monkeypatch, tmp_path / "suite")
-    return tmp_path
+def suite(whole_suite, tmp_path):
+    return shutil.copytree(whole_suite, tmp_path, dirs_exist_ok=True)
 
 
 def scored(suite, answers, **options):
@@ -180,7 +188,8 @@ def test_a_report_is_an_answer(suite):
     assert answer["set"] == report.verdict.set
     assert set(answer["parameters"]) == {effect}
     winner = next(rung for rung in report.details.ladder if rung.model == "winner")
-    assert answer["reduction"]["actual"] == winner.held_out.fraction_closed
+    assert answer["reduction"]["actual"] == winner.fitted.fraction_closed
+    assert answer["reduction"]["winner"] == winner.held_out.fraction_closed
     scores = scored(suite, dict.fromkeys(RIGHT, answer))
     assert scores["all"]["top_1"]["value"] < 0.5
     assert "reduction" not in answer_of(example("none"))

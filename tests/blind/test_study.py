@@ -49,4 +49,4 @@ def test_the_last_experiment_of_a_case_is_held_out(tmp_path, monkeypatch):
     assert asked == [(["a", "b"], ["c"])]  # a case of one experiment has none to hold out
     found = json.loads((tmp_path / "reductions.json").read_text())
     assert set(found) == {"case_001"}
-    assert set(found["case_001"]["reduction"]) == {"predicted", "actual", "runner_up"}
+    assert set(found["case_001"]["reduction"]) == {*("predicted", "actual", "winner", "runner_up")}

@@ -6,11 +6,13 @@ from fake_points import fake_points
 from scipy.special import logsumexp
 from scipy.stats import binom, multivariate_normal, norm
 
+from fvcollapse.diagnosis import evidence
 from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.evidence import (
     DISCREPANCIES,
     UNKNOWN_DISCREPANCIES,
+    Closure,
     Comparison,
     Posterior,
     compare,
@@ -262,10 +264,29 @@ def test_a_bound_beyond_is_the_probability_that_it_holds():
 
 def test_an_interval_holds_the_most_probable_value_and_no_less_than_its_share():
     nodes = (np.arange(1000)[:, None] + 0.5) / 1000
-    falling = Posterior(0.0, nodes, -nodes / 0.1)  # from the end of the prior
+    even = np.zeros(1000)
+    falling = Posterior.of(nodes, -nodes / 0.1, even)  # from the end of the prior
     low, high = intervals(falling, nodes[0])
     assert low[0] <= nodes[0, 0] < 0.001
     assert high[0] == pytest.approx(0.1 * np.log(10.0), rel=0.01)
-    normal = Posterior(0.0, nodes, -0.5 * ((nodes - 0.5) / 0.1) ** 2)
+    normal = Posterior.of(nodes, -0.5 * ((nodes - 0.5) / 0.1) ** 2, even)
     low, high = intervals(normal, np.array([0.5]))
     assert [low[0], high[0]] == pytest.approx([0.5 - 0.1645, 0.5 + 0.1645], abs=0.002)
+
+
+def ridge(seen, closure, nodes):
+    """A likelihood that knows the sum of three quantiles to 1e-4, and nothing else."""
+    logs = -0.5 * ((nodes.sum(axis=1) - 1.5) / 1.0e-4) ** 2
+    return np.column_stack([logs] + [np.full(len(nodes), -np.inf)] * (len(DISCREPANCIES) - 1))
+
+
+def test_the_evidence_of_a_ridge(monkeypatch):
+    monkeypatch.setattr(evidence, "likelihood", ridge)
+    closure = Closure((0,), (type("R", (), {"dimension": 3})(),), np.empty(0), np.empty(0))
+    found = evidence.integrate(None, closure, (0.0, 1.0))
+    # the density of the sum of three uniform numbers is 3/4 at 1.5
+    exact = np.log(0.75 * 1.0e-4 * np.sqrt(2.0 * np.pi))
+    assert found.log_evidence == pytest.approx(exact, abs=0.15)
+    low, high = intervals(found, found.nodes[np.argmax(found.log_likelihood[:, 0])])
+    assert (low < 0.2).all()
+    assert (high > 0.8).all()
