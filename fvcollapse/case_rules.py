@@ -154,7 +154,15 @@ def rule_erodible_bed(case):
     ):
         if found != allowed:
             yield name, show(found), f"{show(allowed)} with effects.erodible_bed"
-    friction, slope = min(case.rheology.mu_1, case.boundary.mu_bed), case.geometry.slope_angle_deg
+    inside, slope = case.rheology.mu_1, case.geometry.slope_angle_deg
+    dilatancy = case.effects.dilatancy
+    if dilatancy is not None:  # loose grains rub less until they are compacted
+        fraction = (
+            dilatancy.solid_fraction_0 or case.rheology.density_bulk / case.rheology.density_grain
+        )
+        loose = min(fraction - dilatancy.solid_fraction_critical, 0.0)
+        inside += dilatancy.dilatancy_factor * loose
+    friction = max(min(inside, case.boundary.mu_bed), 0.0)
     if tan(radians(abs(slope))) >= friction:
         limit = f"below {degrees(atan(friction)):.4g}, where a layer on the bed rests by itself"
         yield "geometry.slope_angle_deg", f"{slope:g}", limit

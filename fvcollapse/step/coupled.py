@@ -20,7 +20,7 @@ from numba import njit
 from .banded import clear, factorise, solve_factorised
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
-from .geometry import WET, last_face
+from .geometry import WET, last_face, repeat_columns
 from .grain_response import (
     ResponseWork,
     add_extra_friction,
@@ -324,7 +324,7 @@ def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_releas
     multiplier, constrained = work.multiplier, work.constrained
     source, penalty = work.response.source, work.response.penalty
     multiplier[:] = 0.0
-    for i in range(constrained.shape[0]):
+    for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] <= WET:
                 continue
@@ -341,6 +341,10 @@ def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_releas
                 pressure_filled[i, k] = p
             elif div < 0.0:
                 constrained[i, k] = True
+    if geometry.first > 0:  # at the ends of the halo shear rates, and so sources, are incomplete
+        repeat_columns(multiplier, geometry.first, geometry.last)
+        repeat_columns(constrained, geometry.first, geometry.last)
+        repeat_columns(pressure_filled, geometry.first, geometry.last)
     return largest
 
 

@@ -9,7 +9,9 @@ friction coefficient is mu(I) + delta_mu L. L is the memory that the hysteresis 
 
 rate_start = I_start sqrt(p)/k being the shear rate at I_start: contacts are broken by a strain of
 some per cent, and settle again as fast as the weakest shear would break them. So a layer at rest
-starts above arctan(mu_1 + delta_mu) and, once it flows, stops below arctan(mu_1).
+starts to flow freely above arctan(mu(I_start) + delta_mu), a few tenths of a degree above
+arctan(mu_1 + delta_mu) from which it creeps, and, once it flows, stops below arctan(mu_1). The friction
+of a bed on which grains slip (finite mu_bed) has no memory: the angles are those of a rough bed.
 
 A law mu(I) that falls with I would give the same two angles without a memory, but it is ill-posed
 wherever it falls. Here the law at any instant is mu(I) plus a constant, which is monotone; only the

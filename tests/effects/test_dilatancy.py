@@ -259,3 +259,41 @@ def test_at_rest_nothing_dilates():
     simulation = advance_to(Simulation(case), 0.1)
     assert simulation.max_speed() < 1e-8
     assert simulation.state.solid_fraction[simulation.geometry.filled > 0] == pytest.approx(0.62)
+
+
+def dense_layer(slope, mu_bed=math.inf):
+    """A layer at rest whose grains are denser than sheared ones: tan(psi) = 0.04."""
+    case = layer_case(
+        0.0025,
+        0.02,
+        geometry__slope_angle_deg=slope,
+        boundary__mu_bed=mu_bed,
+        rheology__mu_1=0.38,
+        rheology__mu_2=0.64,
+        effects__dilatancy={
+            "dilatancy_factor": 4.0,
+            "solid_fraction_0": 0.61,
+            "solid_fraction_critical": 0.60,
+        },
+        numerics__tolerance=1e-6,
+        numerics__max_sweeps=60,
+    )
+    return layer(case, lambda z: 0.0 * z, 0.01)
+
+
+def test_friction_is_raised_by_the_angle_of_dilatancy():
+    """A layer stays up to arctan(mu_1 + tan(psi)) = 22.8 deg; without dilatancy it starts at 20.8 deg."""
+    resting, starting = (run_until(dense_layer(slope), 0.5) for slope in (22.3, 23.6))
+    assert resting.surface_velocity() < 5.0 * 0.02 * resting.case.numerics.shear_rate_min
+    grains = resting.geometry.filled > 0.5
+    assert resting.state.solid_fraction[grains] == pytest.approx(0.61, abs=5e-4)  # it creeps
+    assert starting.surface_velocity() > 0.01
+
+
+def test_the_halo_of_a_periodic_layer_is_the_layer():
+    """Its pressures once ran away, since the sources at its ends lack a neighbour."""
+    flow = run_until(dense_layer(24.0, mu_bed=0.38), 0.3)
+    first, period = flow.geometry.first, flow.geometry.last - flow.geometry.first
+    for column in range(first):
+        same = first + (column - first) % period
+        assert np.array_equal(flow.state.pressure_filled[column], flow.state.pressure_filled[same])

@@ -87,6 +87,15 @@ def test_above_the_start_angle_it_starts_and_below_the_stop_angle_it_stops():
     )
 
 
+def test_it_starts_at_the_friction_of_the_inertial_number_that_breaks_contacts():
+    """arctan(mu(I_start) + delta_mu) is 23.70 deg; from arctan(mu_1 + delta_mu) = 23.27 deg on it creeps."""
+    below = run_until(inclined_layer(23.5, 0.0), 2.0)
+    assert below.state.settled_share[below.geometry.filled > 0.5].min() > 0.99
+    above = run_until(inclined_layer(23.9, 0.0), 2.0)
+    assert above.state.settled_share[above.geometry.filled > 0.5].min() < 0.5
+    assert above.surface_velocity() > 3.0 * below.surface_velocity()
+
+
 def test_static_friction_shortens_the_run_the_more_the_higher_it_is():
     runs = [
         collapse(0.4, effects__friction_hysteresis={"delta_mu": delta})
