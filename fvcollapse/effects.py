@@ -86,14 +86,20 @@ CATALOGUE = {
         PHYSICAL,
         {
             "mu_wall": Prior(
-                "uniform", 0.15, 0.30, "A", "0.18-0.25 for beads on plexiglas, 0.30 for gravel"
+                "uniform",
+                0.15,
+                0.30,
+                "A",
+                "0.18-0.25 for beads on plexiglas, 0.30 for gravel; the margin below is C, and 0.46 "
+                "(Lajeunesse et al. 2005, one channel) lies outside",
             ),
             "pressure_ratio": Prior(
                 "uniform",
                 0.5,
                 1.1,
                 "C",
-                "isotropic flow 1, a pile at rest 1 - sin(angle of repose) = 0.57",
+                "isotropic flow 1; a pile at rest about 0.75: horizontal over vertical stress is "
+                "1 - sin(angle of repose) = 0.57, but p is their mean; and a margin",
             ),
             "deep_ratio": Prior(
                 "uniform", 0.2, 1.0, "C", "weakening seen in experiments and simulations"
@@ -165,7 +171,7 @@ CATALOGUE = {
                 "4.0 in SedFoam; 4.09 of Pailha & Pouliquen (2009), order 1 of Roux & Radjai (1998) (C)",
             ),
             "solid_fraction_critical": Prior(
-                "uniform", 0.585, 0.62, "A2", "0.60 (dry) and 0.585 (immersed) in SedFoam"
+                "uniform", 0.585, 0.62, "A2", "0.60 (dry) and 0.585 (immersed) in SedFoam", "low"
             ),
             "solid_fraction_slope": Prior(
                 "uniform", 0.1, 0.2, "C", "linear nu_eq(I) of dry discs and beads"
@@ -184,7 +190,12 @@ CATALOGUE = {
         PHYSICAL,
         {
             "delta_mu": Prior(
-                "uniform", 0.01, 0.06, "A2", "start angle 0.5-2.5 deg above the stop angle"
+                "uniform",
+                0.01,
+                0.06,
+                "A2",
+                "start angle 0.5-2.5 deg above the stop angle; 5.4 deg (Lajeunesse et al. 2005) and the "
+                "0.05-0.20 tried in sand6 lie outside",
             ),
             "I_start": Prior("loguniform", 0.005, 0.01, "A", "values tried in sand6"),
             "strain": Prior("loguniform", 0.01, 0.1, "C", "some per cent of strain to the peak"),
