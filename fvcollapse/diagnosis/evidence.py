@@ -25,7 +25,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.special import logsumexp
 from scipy.stats import chi2, multivariate_t, norm, qmc
 
@@ -315,8 +315,10 @@ class Whitened:
             if self.columns.shape[1] == 0:
                 self.span = self.columns
             else:
-                left, size, _ = np.linalg.svd(self.columns, full_matrices=False)
-                self.span = left[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
+                # not by singular values: their iteration failed on columns of very different size
+                span, rest, _ = qr(self.columns, mode="economic", pivoting=True)
+                size = np.abs(np.diag(rest))
+                self.span = span[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
         return self.span
 
 
