@@ -315,11 +315,18 @@ class Whitened:
             if self.columns.shape[1] == 0:
                 self.span = self.columns
             else:
-                # not by singular values: their iteration failed on columns of very different size
-                span, rest, _ = qr(self.columns, mode="economic", pivoting=True)
-                size = np.abs(np.diag(rest))
-                self.span = span[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
+                self.span = span_of(self.columns)
         return self.span
+
+
+def span_of(columns):
+    """Orthonormal basis (n, rank) of the span of columns (n, m).
+
+    By a pivoted QR: the iteration for singular values failed on columns of very different size.
+    """
+    basis, rest, _ = qr(columns, mode="economic", pivoting=True)
+    size = np.abs(np.diag(rest))
+    return basis[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
 
 
 class Seen:

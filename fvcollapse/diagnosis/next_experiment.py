@@ -304,8 +304,9 @@ def expected_gain(white, chance, rng):
     chance : (K,) array
     rng : numpy.random.Generator
     """
-    left, size, _ = np.linalg.svd(white - white.mean(axis=0), full_matrices=False)
-    place = left * size  # the hypotheses differ in these directions only
+    apart = white - white.mean(axis=0)
+    size, turn = np.linalg.eigh(apart @ apart.T)
+    place = turn * np.sqrt(np.maximum(size, 0.0))  # the hypotheses differ in these directions only
     truth = rng.choice(len(chance), DRAWS, p=chance)
     outcome = place[truth] + rng.standard_normal((DRAWS, place.shape[1]))
     logs = np.log(chance) - 0.5 * ((outcome[:, None] - place) ** 2).sum(axis=2)

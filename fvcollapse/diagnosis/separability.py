@@ -15,6 +15,8 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.sparse.csgraph import connected_components
 
+from fvcollapse.diagnosis.evidence import span_of
+
 DISCREPANCY = 0.2
 EQUIVALENT = 3.0  # d^2 below which two effects are one to these data
 VISIBLE = 3.0  # signal-to-noise ratio of its own that an effect needs to be named
@@ -91,8 +93,7 @@ def unique_length(unit, k):
     others = np.delete(unit, k, axis=1)
     if others.shape[1] == 0:
         return float(np.linalg.norm(unit[:, k]))
-    left, size, _ = np.linalg.svd(others, full_matrices=False)
-    left = left[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
+    left = span_of(others)
     return float(np.linalg.norm(unit[:, k] - left @ (left.T @ unit[:, k])))
 
 
