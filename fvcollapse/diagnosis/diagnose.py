@@ -80,7 +80,7 @@ def diagnose(
     if folder is not None:
         make_folder(folder)
     runner = Runner(cache, workers, scheduler, quiet)
-    model = VerdictModel.load()
+    model = None if controls else VerdictModel.load()  # it was fitted without controls
     analysis = analyse(
         experiments,
         runner,

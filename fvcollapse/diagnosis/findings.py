@@ -527,8 +527,8 @@ def model_words(analysis, model):
     """What the probabilities rest on."""
     if model is None or not model.covers(analysis.evidence):
         return (
-            "Probabilities are tempered evidences and not calibrated: the package has no verdict "
-            "model for these effects."
+            "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
+            "to these effects, or controls were given, without which it was fitted."
         )
     words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "

@@ -6,7 +6,9 @@ what it got wrong there says, class by class, how strange a case may look and st
 (conformal p-values). The verdict leaves open all hypotheses that are not rejected at 10 %; "none" is
 given up at 5 % only, so that one case in twenty without an effect raises a false alarm.
 
-The fitted model is a small JSON file of the package. Without it evidences are tempered by
+The fitted model is a small JSON file of the package. It knows nothing of a discrepancy that controls have
+taught: with them (on particle collapses in which nothing is hidden it named unknown and an effect of
+the view) and without a model evidences are tempered by
 `TEMPERATURE`, which is no calibration: probabilities are capped, and there are no conformal p-values.
 
 References
@@ -40,18 +42,17 @@ CAP = 0.9  # largest probability without a model
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 REGULARISATION = 0.5  # inverse strength C of the L2 penalty
 FOLDS = 5
-LEAST_P, LEAST_SHARE = 1.0e-12, 1.0e-3
+LEAST_SHARE = 1.0e-3
 DIGITS = 5
+# (p-values are not among them: they tell how real the noise of the suite is, and on cases left out the answers
+# were no better with them: first name right in 65 %, without them in 66 %)
 GLOBAL_FEATURES = (
-    "best_p",
     "best_outside",
     "best_sigma",
-    "none_p",
     "none_outside",
     "none_sigma",
     "unknown_sigma",
     "pair_gain",
-    "pair_p",
     "runs",
 )
 
@@ -87,7 +88,7 @@ class Verdict(NamedTuple):
 
 
 def features(evidence, effects):
-    """Features of an evidence, {name: number}; an effect that was not compared has none.
+    """Features of an evidence, {name: number}; an effect that was not compared does as well as none.
 
     Parameters
     ----------
@@ -98,6 +99,7 @@ def features(evidence, effects):
     single = {name: found[name] for name in (*effects, NONE, UNKNOWN) if name in found}
     top = max(each.log_evidence for each in single.values())
     values = {name: float(np.log1p(top - each.log_evidence)) for name, each in single.items()}
+    values |= {name: values[NONE] for name in effects if name not in single}
     own = {name: each for name, each in single.items() if name not in (NONE, UNKNOWN)}
     best = max((own or single).values(), key=lambda each: each.log_evidence)
     pairs = [each for name, each in found.items() if "+" in name]
@@ -105,22 +107,14 @@ def features(evidence, effects):
     gain = 0.0 if pair is None else pair.log_evidence - best.log_evidence
     none = found[NONE]
     return values | {
-        "best_p": log_p(best.p_value),
         "best_outside": float(np.log(max(best.residual_outside, LEAST_SHARE))),
         "best_sigma": float(np.log(best.sigma)),
-        "none_p": log_p(none.p_value),
         "none_outside": float(np.log(max(none.residual_outside, LEAST_SHARE))),
         "none_sigma": float(np.log(none.sigma)),
         "unknown_sigma": float(np.log(found[UNKNOWN].sigma)),
         "pair_gain": float(np.sign(gain) * np.log1p(abs(gain))),
-        "pair_p": 0.0 if pair is None else log_p(pair.p_value),
         "runs": float(len(best.p_by_run)),
     }
-
-
-def log_p(p_value):
-    """Decimal logarithm of a p-value, cut at 1e-12."""
-    return float(np.log10(max(p_value, LEAST_P)))
 
 
 def class_of(cause):

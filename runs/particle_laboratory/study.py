@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.report import FILE_NAME
 from fvcollapse.diagnosis.report_page import PAGE
-from fvcollapse.diagnosis.verdict import VerdictModel, verdict
+from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files import write_atomic
 
 HERE = Path(__file__).parent
@@ -150,7 +150,7 @@ def curve_rows(name, pairs):
 def discrepancy(arguments):
     """Learn from each control, and judge the other by it: nothing is hidden, so nothing may be found."""
     base, experiments = load_case(BASELINE), controls(arguments.data)
-    model, rows = VerdictModel.load(), []
+    rows = []
     for one in experiments:
         others = [other for other in experiments if other is not one]
         for taught, given in (("nothing", ()), (others[0].name, others)):
@@ -161,7 +161,7 @@ def discrepancy(arguments):
                 controls=given,
                 cell_size=arguments.cell_size,
             )
-            answer = verdict(found.evidence, model, found.separability)
+            answer = verdict(found.evidence, None, found.separability)  # as diagnose, with controls
             none = found.evidence.hypotheses["none"]
             row = {
                 "experiment": one.name,
