@@ -430,8 +430,18 @@ def verdict(evidence, model=None, separability=None):
 
 
 def tempered(evidence, separability):
-    """The verdict without a model; a gap that passes the predictive check needs no effect."""
-    probability = in_order(capped(evidence.posterior(TEMPERATURE), CAP))
+    """The verdict without a model; a gap that passes the predictive check needs no effect.
+
+    The prior is that of the classes, as in a model.
+    """
+    names = tuple(evidence.hypotheses)
+    classes = tuple(dict.fromkeys(class_of(name) for name in names))
+    prior = dict(zip(classes, class_prior(classes), strict=True))
+    pairs = sum("+" in name for name in names)
+    logs = [each.log_evidence / TEMPERATURE for each in evidence.hypotheses.values()]
+    logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
+    shares = dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
+    probability = in_order(capped(shares, CAP))
     kept, total = [], 0.0
     for name, share in probability.items():
         if total < 1.0 - KEPT:
