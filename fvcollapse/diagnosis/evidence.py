@@ -106,12 +106,6 @@ class Evidence:
         """{name: ln p(D | k)}."""
         return {name: each.log_evidence for name, each in self.hypotheses.items()}
 
-    def posterior(self, temperature=1.0):
-        """{name: probability} from evidences and prior odds; a temperature > 1 tempers them."""
-        logs = [each.log_evidence + each.log_prior for each in self.hypotheses.values()]
-        logs = np.array(logs) / temperature
-        return dict(zip(self.hypotheses, np.exp(logs - logsumexp(logs)).tolist(), strict=True))
-
 
 class Closure(NamedTuple):
     """One closure of an effect (or of two) among all columns that are whitened."""

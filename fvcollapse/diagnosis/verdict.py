@@ -39,6 +39,7 @@ KEPT = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_KEPT = 0.05  # and from which "none" is not given up
 TEMPERATURE = 10.0  # without a model
 CAP = 0.9  # largest probability without a model
+CLEAR = 10.0  # odds against none from which a name is told although the check is passed
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 REGULARISATION = 0.5  # inverse strength C of the L2 penalty
 FOLDS = 5
@@ -430,8 +431,9 @@ def verdict(evidence, model=None, separability=None):
 
 
 def tempered(evidence, separability):
-    """The verdict without a model; a gap that passes the predictive check needs no effect.
+    """The verdict without a model.
 
+    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
     The prior is that of the classes, as in a model.
     """
     names = tuple(evidence.hypotheses)
@@ -448,7 +450,8 @@ def tempered(evidence, separability):
             kept.append(name)
             total += share
     passes = evidence.hypotheses[NONE].p_value >= NONE_KEPT
-    best = NONE if passes and NONE in kept else kept[0]
+    clear = probability[kept[0]] > CLEAR * probability[NONE]
+    best = NONE if passes and NONE in kept and not clear else kept[0]
     return finished(best, probability, tuple(kept), {}, separability)
 
 
