@@ -169,13 +169,12 @@ def fate(outcomes):
 
 def verdicts(outcomes):
     """What the verdict says of known causes: the cause alone, another one, none or unknown."""
-    named = [
-        set((*one.names, *one.ranked())[:1]) if one.verdict in NAMED else set() for one in outcomes
-    ]
+    told = [(*one.names, *one.ranked())[0] if one.verdict in NAMED else None for one in outcomes]
+    right = [name == one.truth for name, one in zip(told, outcomes, strict=True)]
     return {
-        "named": share(one.truth in own for one, own in zip(outcomes, named, strict=True)),
+        "named": share(right),
         "wrongly_named": share(
-            bool(own) and one.truth not in own for one, own in zip(outcomes, named, strict=True)
+            name is not None and not good for name, good in zip(told, right, strict=True)
         ),
         "taken_for_none": share(one.verdict == NONE for one in outcomes),
         "taken_for_unknown": share(one.verdict == UNKNOWN for one in outcomes),

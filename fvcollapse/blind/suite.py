@@ -311,9 +311,14 @@ def train(suites, about=None):
     suites : sequence of (str or Path, str or Path)
         Folder of the evidence, and labels, of each.
     """
-    found = [pair for out, labels in suites for pair in read_suite(out, labels).values()]
-    cases = [(evidence, entry["label"]["cause"]) for evidence, entry in found]
-    return fit(cases, known_effects(), about, [e["label"]["unknown_kind"] for _, e in found])
+    return fit_to([pair for suite in suites for pair in read_suite(*suite).values()], about)
+
+
+def fit_to(pairs, about=None):
+    """The `VerdictModel` of (Evidence, entry of the labels) pairs."""
+    cases = [(evidence, entry["label"]["cause"]) for evidence, entry in pairs]
+    kinds = [entry["label"]["unknown_kind"] for _, entry in pairs]
+    return fit(cases, known_effects(), about, kinds)
 
 
 def answers(out, model=None, simple=None):
@@ -341,8 +346,12 @@ def answers(out, model=None, simple=None):
 
 def no_answer(names):
     """The answer to a case that could not be compared: what was known before, and every name open."""
-    prior = dict(zip(names, class_prior(names).tolist(), strict=True))
-    return {"verdict": UNKNOWN, "probability": prior, "set": list(names), "parameters": {}}
+    return {
+        "verdict": UNKNOWN,
+        "probability": class_prior(names),
+        "set": list(names),
+        "parameters": {},
+    }
 
 
 def answer(content, found):
@@ -383,7 +392,7 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
     leave_kind_out : bool
         A model that judges a kind of unknown has not seen that kind at all.
     """
-    cases = [pair for out, labels in suites for pair in read_suite(out, labels).values()]
+    cases = [pair for suite in suites for pair in read_suite(*suite).values()]
     rng = np.random.default_rng(seed)
     part = np.empty(len(cases), int)
     groups = {}
@@ -398,10 +407,7 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
             part[members] = folds + sorted({k for _, k in groups if k}).index(kind)
     outcomes = []
     for number in np.unique(part):
-        rest = [pair for pair, own in zip(cases, part, strict=True) if own != number]
-        known = [(evidence, entry["label"]["cause"]) for evidence, entry in rest]
-        kinds = [entry["label"]["unknown_kind"] for _, entry in rest]
-        model = fit(known, known_effects(), kinds=kinds)
+        model = fit_to([pair for pair, own in zip(cases, part, strict=True) if own != number])
         for (evidence, entry), own in zip(cases, part, strict=True):
             if own == number:
                 found, label = verdict(evidence, model), entry["label"]

@@ -33,6 +33,12 @@ class View(NamedTuple):
     thickness: np.ndarray
     static_height: np.ndarray
 
+    @classmethod
+    def of(cls, seen):
+        """Of the `Observations` of a run."""
+        time, x, thickness = as_grid(seen.profiles)
+        return cls(seen.front, seen.volume, time, x, thickness, as_grid(seen.interface)[2])
+
 
 class ForcedSimulation(Simulation):
     """A simulation on whose grains further forces act, between advection and the implicit solve."""
@@ -95,7 +101,4 @@ def view_of(path, case, label):
     if case.effects.front_saltation is not None:
         case = case.replace(**{"effects.front_saltation.seed": label["noise"] % SEEDS})
     seen = observe(open_result(path), front_thickness=case.front.thickness, case=case)
-    time, x, thickness = as_grid(seen.profiles)
-    static_height = as_grid(seen.interface)[2]
-    view = View(seen.front, seen.volume, time, x, thickness, static_height)
-    return read_wrongly(label["readings"], case.front.thickness, view)
+    return read_wrongly(label["readings"], case.front.thickness, View.of(seen))

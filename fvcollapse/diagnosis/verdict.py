@@ -285,12 +285,12 @@ def fit(suite, effects, about=None, kinds=None):
 
 
 def class_prior(classes):
-    """Prior probability of each class (K,)."""
+    """{class: prior probability}."""
     given = {name: share for name, share in PRIOR.items() if name in classes}
     single = [name for name in classes if name not in given]
     rest = (1.0 - sum(given.values())) / max(len(single), 1)
     prior = np.array([given.get(name, rest) for name in classes])
-    return prior / prior.sum()
+    return dict(zip(classes, (prior / prior.sum()).tolist(), strict=True))
 
 
 def regression(table, truth, classes):
@@ -304,7 +304,7 @@ def regression(table, truth, classes):
         found, allowed = "no package scikit-learn", 'after pip install "fvcollapse[diagnose]"'
         raise InputError("command line", "verdict", found, allowed) from None
     counts = {name: np.count_nonzero(truth == name) for name in classes}
-    prior = dict(zip(classes, class_prior(classes), strict=True))
+    prior = class_prior(classes)
     weights = np.array([prior[name] * len(truth) / counts[name] for name in truth])
     model = LogisticRegression(C=REGULARISATION, max_iter=5000, tol=1.0e-6)
     model.fit(table, truth, sample_weight=weights)
@@ -438,7 +438,7 @@ def tempered(evidence, separability):
     """
     names = tuple(evidence.hypotheses)
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
-    prior = dict(zip(classes, class_prior(classes), strict=True))
+    prior = class_prior(classes)
     pairs = sum("+" in name for name in names)
     logs = [each.log_evidence / TEMPERATURE for each in evidence.hypotheses.values()]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])

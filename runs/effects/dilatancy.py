@@ -7,13 +7,13 @@ the volume of the start. Writes runs/effects/dilatancy.csv; runs are kept in the
 """
 
 import argparse
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from fvcollapse.cache import RunCache, default_folder
 from fvcollapse.case import Case
+from runs.paper import tables
 
 HERE = Path(__file__).parent
 WIDTHS = (0.10, 0.20)  # m
@@ -44,10 +44,7 @@ def main():
     for label, error in runs.failures.items():
         raise SystemExit(f"{label}: {error}")
     rows = [row(name, width, runs.results[name, width]) for name, width in cases]
-    with arguments.out.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    tables.write(arguments.out, tuple(rows[0]), rows)
     for each in rows:
         print("  ".join(f"{key} {value}" for key, value in each.items()))
 
@@ -77,7 +74,7 @@ def row(name, width, result):
         "largest_change_percent": round(100.0 * float(volume[peak]), 2),
         "at_s": round(float(time[peak]), 2),
         "final_change_percent": round(100.0 * float(volume[-1]), 2),
-        "capped_steps": int(np.sum(result.steps["capped"])) if "capped" in result.steps else "",
+        "capped_steps": int(np.sum(result.steps["capped"])),
         "cell_size_m": result.case.grid.cell_size,
     }
 

@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from fvcollapse import load_experiment, observe
-from fvcollapse.align import as_grid
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
 from fvcollapse.cache import RunCache, default_folder
@@ -142,9 +141,7 @@ def write_settings(folder, name, cell_size):
 def write_film(folder, name, result, seed):
     """Write what a camera sees of a run."""
     _, _, end, reach = EXAMPLES[name]
-    seen = observe(result, front_thickness=0.005)
-    time, x, thickness = as_grid(seen.profiles)
-    view = View(seen.front, seen.volume, time, x, thickness, as_grid(seen.interface)[2])
+    view = View.of(observe(result, front_thickness=0.005))
     texts = film(view, end, reach, ERRORS, np.random.default_rng(seed))
     for file, text in texts.items():
         write_atomic(folder / file, thinned(text, Path(file).stem).encode())

@@ -15,19 +15,18 @@ Runs are kept in the cache of runs: an interrupted part continues with the same 
 """
 
 import argparse
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from fvcollapse import diagnose, load_case, load_experiment, observe
-from fvcollapse.align import as_grid
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
 from fvcollapse.cache import RunCache, default_folder
 from fvcollapse.curves import Scalar, scalars_text
 from fvcollapse.files import write_atomic
 from runs.experiments.convert import LAST_GRAINS, MARTIN, SALTATION
+from runs.paper import tables
 
 HERE = Path(__file__).parent
 EXPERIMENTS = HERE.parent / "experiments"
@@ -124,10 +123,7 @@ def power(arguments):
         report = diagnosed([experiment], folder / name / "diagnosis", arguments)
         rows.append(row_of(title, report))
         print(rows[-1])
-    with (arguments.tables / "power.csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    tables.write(arguments.tables / "power.csv", tuple(rows[0]), rows)
 
 
 def filmed(arguments):
@@ -149,9 +145,8 @@ def filmed(arguments):
     for error in runs.failures.values():
         raise SystemExit(f"truth: {error}")
     seen = observe(runs.results["truth"], front_thickness=0.005)
-    time, x, thickness = as_grid(seen.profiles)
-    view = View(seen.front, seen.volume, time, x, thickness, as_grid(seen.interface)[2])
-    return seen.scalars, film(view, END, REACH, ERRORS, np.random.default_rng(SEED))
+    texts = film(View.of(seen), END, REACH, ERRORS, np.random.default_rng(SEED))
+    return seen.scalars, texts
 
 
 def write_experiment(folder, title, seen, texts, kinds, curves):

@@ -86,7 +86,7 @@ def fresh(model):
 
 
 def test_probabilities_are_calibrated_to_the_stated_prior(fresh, model):
-    weight = dict(zip(model.classes, class_prior(model.classes), strict=True))
+    weight = class_prior(model.classes)
     weights = np.array([weight[class_of(cause)] for cause, _ in fresh])
     top = np.array([max(found.probability.values()) for _, found in fresh])
     right = np.array([next(iter(found.probability)) == cause for cause, found in fresh])
