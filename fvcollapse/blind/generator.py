@@ -127,7 +127,7 @@ TRAINING = Style(
     unknowns=("linear_drag", "rough_strip", "sloping_surface", "clock", "grain_loss"),
 )
 BLIND = Style(
-    cells=(12.5, 15.0),
+    cells=(17.0, 20.0),
     stretch=(1.0, 1.15),
     step=(0.6, 1.0),
     shear_rate_min=(1e-4, 5e-4),

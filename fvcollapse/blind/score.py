@@ -248,7 +248,7 @@ def parameter_rows(cases, answers):
     for name, entry in cases.items():
         for effect, drawn in entry["label"]["effects"].items():
             found = answers[name].get("parameters", {}).get(effect, {})
-            for parameter in set(found) & set(drawn["quantiles"]):
+            for parameter in sorted(set(found) & set(drawn["quantiles"])):
                 rows.append(found[parameter] | {"true": drawn["section"][parameter]})
     return rows
 
