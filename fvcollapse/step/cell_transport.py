@@ -13,7 +13,8 @@ from numba import njit
 
 from .extrapolation import LAYERS, extrapolate
 from .geometry import cell_fractions, wetted_edge
-from .momentum import rows_in_reach, transport
+from .momentum import rows_in_reach
+from .passages import list_passages, transport
 
 TRUSTED = 0.05  # filled fraction below which a cell takes the value of its neighbours
 
@@ -51,11 +52,12 @@ def transport_cells(values, u, w, aperture, phi_old, phi_new, dt, dx, dz):
     """
     flux_x, flux_z = np.empty_like(u), np.empty_like(w)
     volume_fluxes(flux_x, flux_z, u, w, aperture, phi_old, phi_new, dt, dx, dz)
-    fluxes = cell_fractions(phi_old), flux_x[1:-1].copy(), flux_z, flux_x[-1].copy()
     reach = rows_in_reach(phi_old, phi_new)
+    inner, end = flux_x[1:-1].copy(), flux_x[-1].copy()
+    passages = list_passages(inner, flux_z, end, cell_fractions(phi_old), reach, 1, 0)
     first, second = np.empty_like(values), np.empty_like(values)
-    transport(first, values, np.pad(values, 2, mode="symmetric"), *fluxes, reach, 1, 0, 1.0)
-    transport(second, values, np.pad(first, 2, mode="symmetric"), *fluxes, reach, 1, 0, 1.0)
+    transport(first, values, np.pad(values, 2, mode="symmetric"), passages, 1, 1.0)
+    transport(second, values, np.pad(first, 2, mode="symmetric"), passages, 1, 1.0)
     return continue_to_air(0.5 * (first + second), cell_fractions(phi_new))
 
 

@@ -18,7 +18,7 @@ from numba import njit
 
 from .arrays import average
 from .geometry import polygon_moments, wetted_edge
-from .stencils import upwind_weno3
+from .passages import list_passages, transport
 
 
 @njit(cache=True)
@@ -234,77 +234,15 @@ def with_ghosts(field, slip, odd_x, odd_z):
     return padded
 
 
-@njit(cache=True, inline="always")
-def _pass_on(gain, arriving, leaving, start, padded, here, hop, place, leap, flux):
-    """Book one flux from face `here` to face `here + hop` with both; the velocity is that of where it comes from.
-
-    All arrays are flat; `place` and `leap` are face and hop in `padded`.
-    """
-    there = here + hop
-    if flux > 0.0:
-        carried = upwind_weno3(padded[place - leap], padded[place], padded[place + leap])
-        leaving[here] += flux
-        arriving[there] += flux
-    else:
-        carried = upwind_weno3(padded[place + 2 * leap], padded[place + leap], padded[place])
-        arriving[here] -= flux
-        leaving[there] -= flux
-    gain[here] -= flux * (carried - start[here])
-    gain[there] += flux * (carried - start[there])
-
-
 @njit(cache=True)
-def _let_out(gain, arriving, leaving, start, padded, di, end):
-    """Book what leaves through the far end of the domain: from the last face itself (u), or beside it (w)."""
-    i = start.shape[0] - 1
-    for k in range(start.shape[1]):
-        here = padded[i + 2, k + 2]
-        if end[k] > 0.0 and di == 0:
-            here = upwind_weno3(padded[i + 1, k + 2], here, padded[i + 3, k + 2])
-        gain[i, k] -= end[k] * (here - start[i, k])
-        leaving[i, k] += max(end[k], 0.0)
-        arriving[i, k] += max(-end[k], 0.0)
-
-
-@njit(cache=True, error_model="numpy")
-def transport(moved, start, padded, mass, along, across, end, reach, di, dk, shape_factor):
-    """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes), for a shape factor of 1.
-
-    (di, dk) is the direction of the component, `end` the flux through the far end. A control volume
-    from which more flows out than stays keeps the momentum that this overdraws; the momentum is
-    otherwise conserved in the transported mass, from which the lever-rule mass of the solve differs
-    at the surface.
-    """
-    nx, nz = along.shape
-    gain, arriving, leaving = (
-        np.zeros_like(start),
-        np.zeros_like(start),
-        np.zeros_like(start),
-    )
-    width, wide = start.shape[1], padded.shape[1]
-    gained, into, out = gain.reshape(-1), arriving.reshape(-1), leaving.reshape(-1)
-    old, values = start.reshape(-1), padded.reshape(-1)
-    hop, leap = di * width + dk, di * wide + dk
-    for i in range(nx):
-        for k in range(reach[i]):
-            if along[i, k] != 0.0:
-                here, place = i * width + k, (i + 2) * wide + k + 2
-                _pass_on(gained, into, out, old, values, here, hop, place, leap, along[i, k])
-    hop, leap = dk * width + di, dk * wide + di
-    for i in range(dk, across.shape[0] - dk):
-        for k in range(di, min(reach[i] + 1, across.shape[1] - di)):
-            if across[i, k] != 0.0:
-                here, place = i * width + k - hop, (i + 2) * wide + k + 2 - leap
-                _pass_on(gained, into, out, old, values, here, hop, place, leap, across[i, k])
-    _let_out(gain, arriving, leaving, start, padded, di, end)
-    for i in range(start.shape[0]):
-        for k in range(start.shape[1]):
-            moved[i, k] = start[i, k]
-        for k in range(min(reach[i] + 1, start.shape[1])):
-            arrives, leaves = arriving[i, k], leaving[i, k]
-            after = max(mass[i, k] + arrives - leaves, max(arrives, leaves))
-            if after > 0.0:
-                moved[i, k] = start[i, k] + shape_factor * (gain[i, k] / after)
+def transport_component(moved, start, slip, passages, di, shape_factor):
+    """Both stages of the Runge-Kutta scheme for u (di = 1) or w (di = 0)."""
+    second = np.empty_like(start)
+    along = di == 1
+    transport(moved, start, with_ghosts(start, slip, along, not along), passages, di, shape_factor)
+    padded = with_ghosts(moved, slip, along, not along)
+    transport(second, start, padded, passages, di, shape_factor)
+    average(moved, second)
 
 
 @njit(cache=True)
@@ -357,59 +295,7 @@ def advect_momentum(
         wetted = wetted_edge(phi_old[nx, k], phi_old[nx, k + 1])
         wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
         end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx * packing[nx - 1, k]
-    second = np.empty_like(u)
-    transport(
-        u_star,
-        u,
-        with_ghosts(u, bed_slip, True, False),
-        mass_u,
-        along_u,
-        across_u,
-        end_u,
-        reach,
-        1,
-        0,
-        shape_factor,
-    )
-    transport(
-        second,
-        u,
-        with_ghosts(u_star, bed_slip, True, False),
-        mass_u,
-        along_u,
-        across_u,
-        end_u,
-        reach,
-        1,
-        0,
-        shape_factor,
-    )
-    average(u_star, second)
-    second = np.empty_like(w)
-    transport(
-        w_star,
-        w,
-        with_ghosts(w, bed_slip, False, True),
-        mass_w,
-        along_w,
-        across_w,
-        across_w[nx],
-        reach,
-        0,
-        1,
-        shape_factor,
-    )
-    transport(
-        second,
-        w,
-        with_ghosts(w_star, bed_slip, False, True),
-        mass_w,
-        along_w,
-        across_w,
-        across_w[nx],
-        reach,
-        0,
-        1,
-        shape_factor,
-    )
-    average(w_star, second)
+    passages = list_passages(along_u, across_u, end_u, mass_u, reach, 1, 0)
+    transport_component(u_star, u, bed_slip, passages, 1, shape_factor)
+    passages = list_passages(along_w, across_w, across_w[nx], mass_w, reach, 0, 1)
+    transport_component(w_star, w, bed_slip, passages, 0, shape_factor)
