@@ -22,23 +22,22 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     per_x, per_z = 1.0 / dx, 1.0 / dz
     e_centre[:] = 0.0
     g_node[:] = 0.0
-    for i in range(nx):  # whole columns at hand: an index k alone is cheap
-        filled, e, w_here = geometry.filled[i], e_centre[i], w[i]
-        left, right = u[i], u[i + 1]
-        open_left, open_right = geometry.aperture[i], geometry.aperture[i + 1]
+    filled, aperture, interior = geometry.filled, geometry.aperture, geometry.interior
+    for i in range(
+        nx
+    ):  # no views of columns: counting their references costs more than a short column
         for k in range(geometry.reach[i]):
-            if filled[k] > WET:
-                e[k] = 0.5 * (
-                    (open_right[k] * right[k] - open_left[k] * left[k]) * per_x
-                    - (w_here[k + 1] - w_here[k]) * per_z
+            if filled[i, k] > WET:
+                e_centre[i, k] = 0.5 * (
+                    (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) * per_x
+                    - (w[i, k + 1] - w[i, k]) * per_z
                 )
     for i in range(1, nx):
-        interior, g, u_here, left, right = geometry.interior[i], g_node[i], u[i], w[i - 1], w[i]
         if geometry.index_u[i, 0] >= 0:
-            g[0] = 2.0 * (u_here[0] - bed_slip[i]) * per_z
+            g_node[i, 0] = 2.0 * (u[i, 0] - bed_slip[i]) * per_z
         for k in range(1, geometry.reach[i]):
-            if interior[k]:
-                g[k] = (u_here[k] - u_here[k - 1]) * per_z + (right[k] - left[k]) * per_x
+            if interior[i, k]:
+                g_node[i, k] = (u[i, k] - u[i, k - 1]) * per_z + (w[i, k] - w[i - 1, k]) * per_x
 
 
 @njit(cache=True)

@@ -11,7 +11,7 @@ from numba import njit
 
 from .geometry import WET
 from .rheology import effective_viscosities
-from .strain import mean_square, shear_rate_from
+from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
 @njit(cache=True)
@@ -36,16 +36,14 @@ def viscosity_weights(
     weight_node[:] = 0.0
     n = 0
     for i in range(weight_centre.shape[0]):
-        filled, weight = geometry.filled[i], weight_centre[i]
         for k in range(geometry.reach[i]):
-            if filled[k] > WET:
-                weight[k] = fraction[n] * eta[n]
+            if geometry.filled[i, k] > WET:
+                weight_centre[i, k] = fraction[n] * eta[n]
                 n += 1
     for i in range(1, weight_centre.shape[0]):
-        interior, weight = geometry.interior[i], weight_node[i]
         for k in range(1, geometry.reach[i]):
-            if interior[k]:
-                weight[k] = fraction[n] * eta[n]
+            if geometry.interior[i, k]:
+                weight_node[i, k] = fraction[n] * eta[n]
                 n += 1
 
 
@@ -53,17 +51,14 @@ def viscosity_weights(
 def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry):
     """Filled fraction, shear rate and pressure of the wet cells; return their number."""
     n = 0
+    filled = geometry.filled
     for i in range(e_centre.shape[0]):
-        filled, e, p = geometry.filled[i], e_centre[i], pressure_filled[i]
-        left, right = g_node[i], g_node[i + 1]
         for k in range(geometry.reach[i]):
-            v = filled[k]
+            v = filled[i, k]
             if v > WET:
                 fraction[n] = v
-                rate[n] = shear_rate_from(
-                    4.0 * e[k] * e[k], mean_square(left[k], right[k], left[k + 1], right[k + 1])
-                )
-                pressure[n] = p[k] / v
+                rate[n] = shear_rate_centre(e_centre, g_node, i, k)
+                pressure[n] = pressure_filled[i, k] / v
                 n += 1
     return n
 
@@ -71,21 +66,25 @@ def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, g
 @njit(cache=True)
 def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry):
     """The same of the interior nodes, from place n on: means of the four cells around each."""
+    filled, interior = geometry.filled, geometry.interior
     for i in range(1, e_centre.shape[0]):
-        interior, g = geometry.interior[i], g_node[i]
-        filled_l, filled_r = geometry.filled[i - 1], geometry.filled[i]
-        e_l, e_r = e_centre[i - 1], e_centre[i]
-        p_l, p_r = pressure_filled[i - 1], pressure_filled[i]
         for k in range(1, geometry.reach[i]):
-            if interior[k]:
-                v = 0.25 * (filled_l[k - 1] + filled_r[k - 1] + filled_l[k] + filled_r[k])
-                p = 0.25 * (p_l[k - 1] + p_r[k - 1] + p_l[k] + p_r[k])
-                e2 = mean_square(e_l[k - 1], e_r[k - 1], e_l[k], e_r[k])
+            if interior[i, k]:
+                v = _mean_of_cells(filled, i, k)
+                e2 = mean_square(
+                    e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
+                )
                 fraction[n] = v
-                rate[n] = shear_rate_from(4.0 * e2, g[k] * g[k])
-                pressure[n] = p / v
+                rate[n] = shear_rate_from(4.0 * e2, g_node[i, k] * g_node[i, k])
+                pressure[n] = _mean_of_cells(pressure_filled, i, k) / v
                 n += 1
     return n
+
+
+@njit(cache=True)
+def _mean_of_cells(field, i, k):
+    """Mean of the four cells around node (i, k)."""
+    return 0.25 * (field[i - 1, k - 1] + field[i, k - 1] + field[i - 1, k] + field[i, k])
 
 
 @njit(cache=True)
@@ -114,18 +113,16 @@ def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
     the mixed terms.
     """
     per_z = 1.0 / dz
+    index_u, index_w, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     flat, width = band.reshape(-1), band.shape[1]
     for i in range(geometry.first, geometry.last):
-        weight, imposed, hardness = weight_centre[i], constrained[i], penalty[i]
-        left, right, across = geometry.index_u[i], geometry.index_u[i + 1], geometry.index_w[i]
-        open_left, open_right = geometry.aperture[i], geometry.aperture[i + 1]
         for k in range(geometry.reach[i]):
-            push = hardness[k] if imposed[k] else 0.0
-            same, mixed = push + weight[k], push - weight[k]
+            push = penalty[i, k] if constrained[i, k] else 0.0
+            same, mixed = push + weight_centre[i, k], push - weight_centre[i, k]
             if same == 0.0:
                 continue
-            a_l, a_r = -open_left[k] / dx, open_right[k] / dx
-            a, b, low, high = left[k], right[k], across[k], across[k + 1]
+            a_l, a_r = -aperture[i, k] / dx, aperture[i + 1, k] / dx
+            a, b, low, high = index_u[i, k], index_u[i + 1, k], index_w[i, k], index_w[i, k + 1]
             add_own(flat, width, a, same * a_l * a_l)
             add_own(flat, width, b, same * a_r * a_r)
             add_pair(flat, width, a, b, same * a_l * a_r)
@@ -144,14 +141,13 @@ def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
 def add_nodes(band, weight_node, geometry, dx, dz):
     """Add the viscous blocks of the interior nodes, the squares of du/dz + dw/dx."""
     xx, zz, xz = 1.0 / (dx * dx), 1.0 / (dz * dz), 1.0 / (dx * dz)
+    index_u, index_w = geometry.index_u, geometry.index_w
     flat, width = band.reshape(-1), band.shape[1]
     for i in range(geometry.first, geometry.last):
-        weight, here = weight_node[i], geometry.index_u[i]
-        before, after = geometry.index_w[i - 1], geometry.index_w[i]
         for k in range(1, geometry.reach[i]):
-            g = weight[k]
+            g = weight_node[i, k]
             if g > 0.0:
-                low, high, a, b = here[k - 1], here[k], before[k], after[k]
+                low, high, a, b = index_u[i, k - 1], index_u[i, k], index_w[i - 1, k], index_w[i, k]
                 add_own(flat, width, low, g * zz)
                 add_own(flat, width, high, g * zz)
                 add_own(flat, width, a, g * xx)
