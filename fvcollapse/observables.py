@@ -110,11 +110,10 @@ def front_position(x, h, threshold):
     thick = h >= threshold
     if not thick.any():
         return 0.0
-    start = 0 if thick[0] else int(np.argmax(h))
-    thin = np.flatnonzero(~thick[start:])
-    if thin.size == 0:
+    start = 0 if thick[0] else int(h.argmax())
+    i = start + int(thick[start:].argmin())  # the first that is not
+    if thick[i]:
         return float(x[-1])
-    i = start + int(thin[0])
     share = (h[i - 1] - threshold) / (h[i - 1] - h[i])
     return float(x[i - 1] + share * (x[i] - x[i - 1]))
 
@@ -131,10 +130,11 @@ def x_at_volume(x, column_volume, fraction):
     fraction : float
         0.99 for x_99.
     """
-    volume = np.concatenate([[0.0], np.cumsum(column_volume)])
+    volume = np.zeros(len(x))
+    np.cumsum(column_volume, out=volume[1:])
     if volume[-1] <= 0.0:
         return 0.0
-    i = int(np.searchsorted(volume, fraction * volume[-1]))
+    i = int(volume.searchsorted(fraction * volume[-1]))
     i = min(max(i, 1), len(column_volume))
     share = (fraction * volume[-1] - volume[i - 1]) / column_volume[i - 1]
     return float(x[i - 1] + share * (x[i] - x[i - 1]))
@@ -142,14 +142,15 @@ def x_at_volume(x, column_volume, fraction):
 
 def detached_volume(x, h):
     """Fraction of the volume beyond the first X where h < 1 mm, h being piecewise linear."""
-    area = 0.5 * (h[:-1] + h[1:]) * np.diff(x)
-    if area.sum() <= 0.0:
+    area = 0.5 * (h[:-1] + h[1:]) * (x[1:] - x[:-1])
+    total = area.sum()
+    if total <= 0.0:
         return 0.0
     front = front_position(x, h, THICKNESS_DETACHED)
-    i = min(int(np.searchsorted(x, front, side="right")) - 1, len(area) - 1)
+    i = min(int(x.searchsorted(front, side="right")) - 1, len(area) - 1)
     h_front = np.interp(front, x, h)
     beyond = 0.5 * (h_front + h[i + 1]) * (x[i + 1] - front) + area[i + 1 :].sum()
-    return float(beyond / area.sum())
+    return float(beyond / total)
 
 
 def front_velocity(time, front):

@@ -19,7 +19,7 @@ from .state import grow
 from .step import coupled, level_set, quantities
 from .step.arrays import largest
 from .step.balance import balance_of
-from .step.banded import allocate_system
+from .step.banded import allocate_system, clear
 from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
@@ -407,11 +407,10 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
-        band, rhs = allocate_system(self.ends, self.buffer)
-        if band.size > self.buffer.size:
-            self.buffer = band.reshape(-1)
+        buffer, self.buffer = self.buffer, np.empty(0)
+        band, rhs = allocate_system(self.ends, buffer)
         prepare_response(self.work.response, state, self.response)
-        return coupled.solve(
+        outcome = coupled.solve(
             state.u,
             state.w,
             state.pressure_filled,
@@ -427,6 +426,10 @@ class Simulation:
             balance,
             *self.spacing,
         )
+        if outcome.info == 0 and math.isfinite(outcome.change):  # else there is NaN in it
+            clear(band, self.ends)
+            self.buffer = band.reshape(-1) if band.size > buffer.size else buffer
+        return outcome
 
     def _balance(self, dt):
         return balance_of(

@@ -133,6 +133,17 @@ def wall_work(k_wall, wall_slip, w, geometry):
     return slid, moved
 
 
+@njit(cache=True)
+def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
+    """`viscous_work`, `friction_work`, `bed_work` and `wall_work` of the coefficients of a solve."""
+    return (
+        viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz),
+        friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry),
+        bed_work(scratch.k_bed, bed_slip, u, geometry),
+        wall_work(scratch.k_wall, scratch.wall_slip, w, geometry),
+    )
+
+
 def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     """Work of one step from the coefficients of its last nonlinear sweep.
 
@@ -154,21 +165,17 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     Work
     """
     u, w, dt = state.u, state.w, balance.dt
-    bed, bed_all = bed_work(scratch.k_bed, state.bed_slip, u, geometry)
-    wall, wall_all = wall_work(scratch.k_wall, scratch.wall_slip, w, geometry)
-    bed_shear, wall_shear = dx * (bed_all - bed), dz * (wall_all - wall)
-    bed, wall = dx * bed, dz * wall
-    gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     volume = dx * dz
-    bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
+    bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
+    gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
+    bulk *= volume
     if balance.response.dilatancy.factor > 0.0:
         bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
-    lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:
         lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)
     lateral *= volume
-    bulk += bed_shear + wall_shear + gate_shear
-    return Work(dt * bulk, dt * bed, dt * wall, dt * lateral, dt * gate)
+    bulk += dx * (bed[1] - bed[0]) + dz * (wall[1] - wall[0]) + gate_shear
+    return Work(dt * bulk, dt * dx * bed[0], dt * dz * wall[0], dt * lateral, dt * gate)
 
 
 def gate_work(scratch, w, geometry, balance, dz):
