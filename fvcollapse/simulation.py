@@ -273,8 +273,8 @@ class Simulation:
             dz,
         )
         level_set.advect(state.level_set, u_surface, w_surface, dt, dx, dz)
-        speed = np.hypot(u_node, w_node)
-        fastest = speed.max()
+        speed = np.empty_like(u_node)
+        fastest = level_set.node_speed(speed, u_node, w_node)
         state.travel += fastest * dt / min(dx, dz)
         state.travel_steps += 1
         if level_set.needs_restoring(state.travel, state.travel_steps):

@@ -61,6 +61,18 @@ def node_velocity(u_node, w_node, u, w):
 
 
 @njit(cache=True)
+def node_speed(speed, u_node, w_node):
+    """Speed at the nodes, m/s; return the largest."""
+    fastest = 0.0
+    for i in range(speed.shape[0]):
+        for k in range(speed.shape[1]):
+            u, w = u_node[i, k], w_node[i, k]
+            speed[i, k] = math.hypot(u, w) if u != 0.0 or w != 0.0 else 0.0  # far off all is zero
+            fastest = max(fastest, speed[i, k])
+    return fastest
+
+
+@njit(cache=True)
 def _between(field, x, z):
     """Value at (x, z), in node spacings: bicubic (Catmull-Rom), bilinear beside the edges of the grid."""
     i, k = int(x), int(z)
