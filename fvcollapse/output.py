@@ -107,7 +107,7 @@ class Job:
         else:
             self.simulation, self.recorder = Simulation(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
-        self.state = self.simulation.state  # the last good one: a step changes a copy
+        self.state = self.simulation.state.copy()  # the last good state
 
     def march(self, bar, after_step=lambda record: None):
         """Step from the present time to the end of the case, landing on every scheduled time."""
@@ -129,7 +129,7 @@ class Job:
         self.recorder.add_series(self.simulation)
         if self.simulation.state.time >= landing.time - SAME_TIME:
             self.recorder.add_snapshot(self.simulation, landing)
-        self.state = self.simulation.state
+        self.state = self.simulation.state.copy()
         return record
 
     def consistent(self):
