@@ -7,9 +7,11 @@ layer: what a run reports is the pile, and an eroded place has a negative height
 The pile is what h shows: grains that have left the bed (a splash) count in h where they are.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from fvcollapse.case import GRAVITY
 from fvcollapse.observation import seen_front, seen_place, seen_time_origin
@@ -36,10 +38,19 @@ def thickness(level_set, dz):
     dz : float
         Node spacing normal to the bed [m].
     """
-    low, high = level_set[:, :-1], level_set[:, 1:]
-    below = np.maximum(-low, 0.0) + np.maximum(-high, 0.0)
-    span = np.abs(low) + np.abs(high)
-    return dz * (below / np.where(span > 0.0, span, 1.0)).sum(axis=1)
+    cells = np.zeros(len(level_set))
+    cells_inside(cells, np.ascontiguousarray(level_set, float))
+    return dz * cells
+
+
+@njit(cache=True, error_model="numpy")
+def cells_inside(cells, level_set):
+    """Add to `cells` (nx + 1,) how many cell edges of each vertical node line lie in the grains."""
+    for i in range(cells.size):
+        for k in range(level_set.shape[1] - 1):
+            low, high = level_set[i, k], level_set[i, k + 1]
+            if low < 0.0 or high < 0.0:
+                cells[i] += (max(-low, 0.0) + max(-high, 0.0)) / (abs(low) + abs(high))
 
 
 def speed_xface(state):
@@ -49,9 +60,20 @@ def speed_xface(state):
     return np.hypot(state.u, w_xface)
 
 
-def speed_centre(state):
-    """Speed at the cell centres, (nx, nz), m/s."""
-    return np.hypot(0.5 * (state.u[:-1] + state.u[1:]), 0.5 * (state.w[:, :-1] + state.w[:, 1:]))
+@njit(cache=True)
+def survey_motion(filled, u, w, ill_posed):
+    """Largest speed at the centre of a cell with grains (m/s), flowing volume and ill-posed part of it (cells)."""
+    largest = flowing = part = 0.0
+    for i in range(filled.shape[0]):
+        for k in range(filled.shape[1]):
+            if filled[i, k] > 0.0:
+                along, across = 0.5 * (u[i, k] + u[i + 1, k]), 0.5 * (w[i, k] + w[i, k + 1])
+                speed = math.hypot(along, across)
+                largest = max(largest, speed)
+                if speed > SPEED_STATIC:
+                    flowing += filled[i, k]
+                    part += ill_posed[i, k] * filled[i, k]
+    return largest, flowing, part
 
 
 def static_height(state, grid):
@@ -88,11 +110,10 @@ def front_position(x, h, threshold):
     thick = h >= threshold
     if not thick.any():
         return 0.0
-    start = 0 if thick[0] else int(np.argmax(h))
-    thin = np.flatnonzero(~thick[start:])
-    if thin.size == 0:
+    start = 0 if thick[0] else int(h.argmax())
+    i = start + int(thick[start:].argmin())  # the first that is not
+    if thick[i]:
         return float(x[-1])
-    i = start + int(thin[0])
     share = (h[i - 1] - threshold) / (h[i - 1] - h[i])
     return float(x[i - 1] + share * (x[i] - x[i - 1]))
 
@@ -109,10 +130,11 @@ def x_at_volume(x, column_volume, fraction):
     fraction : float
         0.99 for x_99.
     """
-    volume = np.concatenate([[0.0], np.cumsum(column_volume)])
+    volume = np.zeros(len(x))
+    np.cumsum(column_volume, out=volume[1:])
     if volume[-1] <= 0.0:
         return 0.0
-    i = int(np.searchsorted(volume, fraction * volume[-1]))
+    i = int(volume.searchsorted(fraction * volume[-1]))
     i = min(max(i, 1), len(column_volume))
     share = (fraction * volume[-1] - volume[i - 1]) / column_volume[i - 1]
     return float(x[i - 1] + share * (x[i] - x[i - 1]))
@@ -120,14 +142,15 @@ def x_at_volume(x, column_volume, fraction):
 
 def detached_volume(x, h):
     """Fraction of the volume beyond the first X where h < 1 mm, h being piecewise linear."""
-    area = 0.5 * (h[:-1] + h[1:]) * np.diff(x)
-    if area.sum() <= 0.0:
+    area = 0.5 * (h[:-1] + h[1:]) * (x[1:] - x[:-1])
+    total = area.sum()
+    if total <= 0.0:
         return 0.0
     front = front_position(x, h, THICKNESS_DETACHED)
-    i = min(int(np.searchsorted(x, front, side="right")) - 1, len(area) - 1)
+    i = min(int(x.searchsorted(front, side="right")) - 1, len(area) - 1)
     h_front = np.interp(front, x, h)
     beyond = 0.5 * (h_front + h[i + 1]) * (x[i + 1] - front) + area[i + 1 :].sum()
-    return float(beyond / area.sum())
+    return float(beyond / total)
 
 
 def front_velocity(time, front):
@@ -209,8 +232,7 @@ def measure(state, grid, quantities, energies, case):
     column_volume = filled.sum(axis=1) * (grid.dx * grid.dz)
     kept = column_volume.sum() + state.volume_outflow
     pile = np.maximum(column_volume - layer * grid.dx, 0.0) if layer > 0.0 else column_volume
-    speed = speed_centre(state)
-    flowing = filled * (speed > SPEED_STATIC)
+    fastest, flowing, ill_posed = survey_motion(filled, state.u, state.w, quantities["ill_posed"])
     return {
         "time": state.time,
         "front_position": front_position(x, h, case.front.thickness),
@@ -224,18 +246,16 @@ def measure(state, grid, quantities, energies, case):
         "kinetic_energy": float(energies["kinetic"]),
         "potential_energy": float(energies["potential"]),
         **{name: getattr(state, name) for name in (*ENERGY_SPENT, *LOSSES)},
-        "max_speed": float(speed[filled > 0.0].max(initial=0.0)),
-        "ill_posed_fraction": _ratio((flowing * quantities["ill_posed"]).sum(), flowing.sum()),
-        "negative_pressure_cells": int(_negative_pressure(quantities, case)[filled > 0.0].sum()),
+        "max_speed": fastest,
+        "ill_posed_fraction": _ratio(ill_posed, flowing),
+        "negative_pressure_cells": _cells_in_suction(quantities, case),
     }
 
 
-def _negative_pressure(quantities, case):
-    """Mask of the cells in suction: p below −1e-6 of the hydrostatic scale, above round-off."""
-    return (
-        quantities["pressure"]
-        < -1.0e-6 * case.rheology.density_bulk * GRAVITY * case.geometry.height_0
-    )
+def _cells_in_suction(quantities, case):
+    """Number of cells with p below −1e-6 of the hydrostatic scale, above round-off; p is 0 without grains."""
+    scale = case.rheology.density_bulk * GRAVITY * case.geometry.height_0
+    return int(np.count_nonzero(quantities["pressure"] < -1.0e-6 * scale))
 
 
 def _ratio(part, whole):

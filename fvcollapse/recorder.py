@@ -175,7 +175,7 @@ class Recorder:
             simulation.state,
             simulation.grid,
             quantities,
-            simulation.energies(),
+            simulation.energy,
             simulation.case,
         )
         for name, source in RUNNING.items():

@@ -17,8 +17,9 @@ from .errors import NumericalError
 from .grid import Grid, gate_column
 from .state import grow
 from .step import coupled, level_set, quantities
+from .step.arrays import largest
 from .step.balance import balance_of
-from .step.banded import allocate_system
+from .step.banded import allocate_system, clear
 from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
@@ -102,6 +103,7 @@ class Simulation:
         nx, nz = self.state.pressure_filled.shape
         self.geometry = allocate_geometry(nx, nz, self.halo)
         self.work = coupled.allocate_work(nx, nz)
+        self.unit_packing = np.ones((nx, nz))
         self.buffer = np.empty(0)
 
     def cell_quantities(self):
@@ -132,7 +134,7 @@ class Simulation:
             state is then the last good one.
         """
         self._make_room()
-        start = self.state.copy()
+        start = self.state  # each step changes a copy of it
         try:
             return self._advance(start, time_limit)
         except ArithmeticError as error:  # of a compiled kernel
@@ -200,18 +202,16 @@ class Simulation:
         self._finish_response(dt)
         solved = self._book_energy(u_star, w_star, impulse, balance)
         self._continue_velocity()
-        energy = self.energies()
-        state.loss_advection += float(solved["kinetic"] - energy["kinetic"])
-        return outcome, correction, energy
+        kinetic = quantities.kinetic_energy(state, self.geometry, balance.density, dx, dz)
+        state.loss_advection += float(solved["kinetic"] - kinetic)
+        return outcome, correction, solved | {"kinetic": kinetic}
 
     def _time_step(self):
         case, (dx, dz) = self.case, self.spacing
         h = min(dx, dz)
         step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
         moving = self.gate_is_moving()
-        fastest = max(
-            np.abs(self.state.u).max(), np.abs(self.state.w).max()
-        )  # beyond the surface too
+        fastest = max(largest(self.state.u), largest(self.state.w))  # beyond the surface too
         dt = min(
             step_max,
             limit_advection(self.shape_factor * fastest, case.time.cfl, h),
@@ -237,7 +237,7 @@ class Simulation:
     def _packing(self):
         """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
         if self.state.solid_fraction is None:
-            return np.ones_like(self.state.pressure_filled)
+            return self.unit_packing
         return self.state.solid_fraction / self.response.dilatancy.fraction_bulk
 
     def _finish_response(self, dt):
@@ -273,8 +273,8 @@ class Simulation:
             dz,
         )
         level_set.advect(state.level_set, u_surface, w_surface, dt, dx, dz)
-        speed = np.hypot(u_node, w_node)
-        fastest = speed.max()
+        speed = np.empty_like(u_node)
+        fastest = level_set.node_speed(speed, u_node, w_node)
         state.travel += fastest * dt / min(dx, dz)
         state.travel_steps += 1
         if level_set.needs_restoring(state.travel, state.travel_steps):
@@ -407,11 +407,10 @@ class Simulation:
 
     def _solve_coupled(self, u_star, w_star, balance):
         state = self.state
-        band, rhs = allocate_system(self.ends, self.buffer)
-        if band.size > self.buffer.size:
-            self.buffer = band.reshape(-1)
+        buffer, self.buffer = self.buffer, np.empty(0)
+        band, rhs = allocate_system(self.ends, buffer)
         prepare_response(self.work.response, state, self.response)
-        return coupled.solve(
+        outcome = coupled.solve(
             state.u,
             state.w,
             state.pressure_filled,
@@ -427,6 +426,10 @@ class Simulation:
             balance,
             *self.spacing,
         )
+        if outcome.info == 0 and math.isfinite(outcome.change):  # else there is NaN in it
+            clear(band, self.ends)
+            self.buffer = band.reshape(-1) if band.size > buffer.size else buffer
+        return outcome
 
     def _balance(self, dt):
         return balance_of(
@@ -476,20 +479,20 @@ class Simulation:
             return
         filled = self.geometry.filled
         nx, nz = filled.shape
-        wet = filled > 0.0
         extra_x = extra_z = 0
         right_end = self.case.boundary.right_end
-        if right_end == "grow" and self._is_near_end(wet):
+        if right_end == "grow" and self._is_near_end():
             extra_x = GROWTH
-        if right_end == "error" and wet[nx - 1].any():
+        if right_end == "error" and filled[nx - 1].any():
             raise NumericalError(
                 "the mass has reached the end of the domain; lengthen boundary.domain_length",
                 f"at x = {nx * self.spacing[0]:.3g} m",
                 self.state.time,
             )
-        if wet[:, nz - 4 :].any():
+        if filled[:, nz - 4 :].any():
             extra_z = MARGIN
         if extra_x or extra_z:
+            self.state = self.state.copy()
             grow(self.state, extra_x, extra_z)
             extend_response(self.state, self.case, nx, nz)
             self._allocate()
@@ -499,11 +502,11 @@ class Simulation:
             if extra_x and self.layer > 0.0:
                 self._book_layer()
 
-    def _is_near_end(self, wet):
+    def _is_near_end(self):
         """Whether the grains come near the far end; those of an erodible layer, whether they move there."""
         if self.layer > 0.0:
             return moves_near_end(self.state, self.geometry, MARGIN)
-        return wet[len(wet) - MARGIN :].any()
+        return self.geometry.filled[-MARGIN:].any()
 
     def _book_layer(self):
         """Energy of the layer by which the domain has grown: it has flowed in."""

@@ -86,8 +86,7 @@ class State:
     def copy(self):
         """Independent copy of the state."""
         names = [*FIELDS, *self.effect_fields()]
-        arrays = {name: getattr(self, name).copy() for name in names}
-        return State(**arrays, **{name: getattr(self, name) for name in SCALARS})
+        return State(**vars(self) | {name: getattr(self, name).copy() for name in names})
 
 
 def location_shape(location, nx, nz):

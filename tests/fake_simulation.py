@@ -101,6 +101,10 @@ class FakeSimulation:
     def _volume(self):
         return cell_fractions(self.state.level_set).sum() * self.grid.dx * self.grid.dz
 
+    @property
+    def energy(self):
+        return self.energies()
+
     def energies(self):
         return {"kinetic": float((self.state.u**2).sum()), "potential": -self.state.time}
 

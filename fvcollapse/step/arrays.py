@@ -20,6 +20,16 @@ def scale(target, factor):
 
 
 @njit(cache=True)
+def largest(values):
+    """Largest magnitude."""
+    most = 0.0
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            most = max(most, abs(values[i, k]))
+    return most
+
+
+@njit(cache=True)
 def average(target, other):
     """Mean of two arrays, into the first."""
     for i in range(target.shape[0]):

@@ -20,8 +20,8 @@ def allocate_system(ends, buffer=None):
     Parameters
     ----------
     buffer : (m,) array, optional
-        Where the band is placed if it is long enough: new memory for every step costs more than
-        its zeros.
+        All zero; where the band is placed if it is long enough: new memory for every step costs
+        more than its zeros. After the solve `clear` leaves it zero again, except where that failed.
 
     Returns
     -------
@@ -33,9 +33,7 @@ def allocate_system(ends, buffer=None):
     rows, width = ends.size + LANES, half_bandwidth + 1 + PADDING
     if buffer is None or buffer.size < rows * width:
         return new_system(ends.size, half_bandwidth)
-    flat = buffer[: rows * width]
-    flat[:] = 0.0
-    return flat.reshape(rows, width), np.zeros(rows)
+    return buffer[: rows * width].reshape(rows, width), np.zeros(rows)
 
 
 @njit(cache=True)

@@ -100,10 +100,48 @@ def face_sums(mass, solved, start):
     for i in range(mass.shape[0]):
         for k in range(mass.shape[1]):
             m = mass[i, k]
+            if m == 0.0:  # most cells are air
+                continue
             change += m * (solved[i, k] - start[i, k]) ** 2
             carried += m * start[i, k] ** 2
             flow += m * solved[i, k]
     return change, carried, flow
+
+
+@njit(cache=True)
+def bed_work(k_bed, bed_slip, u, geometry):
+    """Power of the friction of the bed over its slip, and over the velocity of the first faces, W/m2, summed."""
+    slid = moved = 0.0
+    for i in range(geometry.first, last_face(geometry)):
+        if geometry.index_u[i, 0] >= 0:
+            force = k_bed[i] * u[i, 0]
+            slid += force * bed_slip[i]
+            moved += force * u[i, 0]
+    return slid, moved
+
+
+@njit(cache=True)
+def wall_work(k_wall, wall_slip, w, geometry):
+    """The same of the back wall, from slip speeds."""
+    slid = moved = 0.0
+    if geometry.first == 0:
+        for k in range(geometry.reach[0]):
+            if geometry.index_w[0, k] >= 0:
+                force = k_wall[k] * abs(w[0, k])
+                slid += force * wall_slip[k]
+                moved += force * abs(w[0, k])
+    return slid, moved
+
+
+@njit(cache=True)
+def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
+    """`viscous_work`, `friction_work`, `bed_work` and `wall_work` of the coefficients of a solve."""
+    return (
+        viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz),
+        friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry),
+        bed_work(scratch.k_bed, bed_slip, u, geometry),
+        wall_work(scratch.k_wall, scratch.wall_slip, w, geometry),
+    )
 
 
 def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
@@ -127,25 +165,17 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     Work
     """
     u, w, dt = state.u, state.w, balance.dt
-    bed_u = np.where(geometry.index_u[:, 0] >= 0, u[:, 0], 0.0)
-    bed_u[: geometry.first] = 0.0
-    bed_u[last_face(geometry) :] = 0.0
-    wall_w = np.where(geometry.index_w[0] >= 0, w[0], 0.0) if geometry.first == 0 else 0.0
-    bed = dx * np.sum(scratch.k_bed * bed_u * state.bed_slip)
-    bed_shear = dx * np.sum(scratch.k_bed * bed_u**2) - bed
-    wall = dz * np.sum(scratch.k_wall * np.abs(wall_w) * scratch.wall_slip)
-    wall_shear = dz * np.sum(scratch.k_wall * wall_w**2) - wall
-    gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     volume = dx * dz
-    bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
+    bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
+    gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
+    bulk *= volume
     if balance.response.dilatancy.factor > 0.0:
         bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
-    lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:
         lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)
     lateral *= volume
-    bulk += bed_shear + wall_shear + gate_shear
-    return Work(dt * bulk, dt * bed, dt * wall, dt * lateral, dt * gate)
+    bulk += dx * (bed[1] - bed[0]) + dz * (wall[1] - wall[0]) + gate_shear
+    return Work(dt * bulk, dt * dx * bed[0], dt * dz * wall[0], dt * lateral, dt * gate)
 
 
 def gate_work(scratch, w, geometry, balance, dz):

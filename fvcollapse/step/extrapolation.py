@@ -14,6 +14,7 @@ TRUSTED_W = (
 SOLENOIDAL_LAYERS = (
     2  # empty cells beyond the surface in which the continued velocity is made divergence-free
 )
+BORDER = -2  # mark of what is beyond the edges of the grid: neither known nor to be found
 
 
 @njit(cache=True)
@@ -60,12 +61,16 @@ def extrapolate(field, known, layers):
         1 where the value stands, 0 where it is to be found; overwritten with the layer number.
     """
     nx, nz = field.shape
+    marks = np.full((nx + 2, nz + 2), BORDER, np.int8)  # small, and every neighbour is there
     front_i, front_k = np.empty(field.size, np.int64), np.empty(field.size, np.int64)
+    for i in range(nx):
+        for k in range(nz):
+            marks[i + 1, k + 1] = known[i, k]
     end = 0
     for i in range(nx):
         for k in range(nz):
             if known[i, k] == 1:
-                end = _queue_neighbours(front_i, front_k, end, known, i, k)
+                end = _queue_neighbours(front_i, front_k, end, marks, i, k)
     start = 0
     for layer in range(1, layers + 1):
         layer_end = end
@@ -76,41 +81,41 @@ def extrapolate(field, known, layers):
                 if lines > 0:
                     field[i, k] = value
                     continue
-            field[i, k] = _mean_of_known(field, known, i, k)
+            field[i, k] = _mean_of_known(field, marks, i, k)
         for j in range(start, layer_end):
-            known[front_i[j], front_k[j]] = layer + 1
+            marks[front_i[j] + 1, front_k[j] + 1] = layer + 1
         for j in range(start, layer_end):
-            end = _queue_neighbours(front_i, front_k, end, known, front_i[j], front_k[j])
+            end = _queue_neighbours(front_i, front_k, end, marks, front_i[j], front_k[j])
         start = layer_end
     for i in range(nx):
         for k in range(nz):
-            if known[i, k] <= 0:
+            known[i, k] = max(marks[i + 1, k + 1], 0)
+            if known[i, k] == 0:
                 field[i, k] = 0.0
-                known[i, k] = 0
 
 
 @njit(cache=True)
-def _queue_neighbours(front_i, front_k, end, known, i, k):
+def _queue_neighbours(front_i, front_k, end, marks, i, k):
     """Append the unknown neighbours of (i, k) to the front, marked -1; return its new end."""
-    for a in range(max(i - 1, 0), min(i + 2, known.shape[0])):
-        for b in range(max(k - 1, 0), min(k + 2, known.shape[1])):
-            if known[a, b] == 0:
-                known[a, b] = -1
-                front_i[end], front_k[end] = a, b
+    for a in range(i, i + 3):
+        for b in range(k, k + 3):
+            if marks[a, b] == 0:
+                marks[a, b] = -1
+                front_i[end], front_k[end] = a - 1, b - 1
                 end += 1
     return end
 
 
-@njit(cache=True)
-def _mean_of_known(field, known, i, k):
+@njit(cache=True, error_model="numpy")
+def _mean_of_known(field, marks, i, k):
     """Mean of the known neighbours of (i, k), those across a side counted twice."""
     total = 0.0
     count = 0
-    for a in range(max(i - 1, 0), min(i + 2, field.shape[0])):
-        for b in range(max(k - 1, 0), min(k + 2, field.shape[1])):
-            if known[a, b] > 0:
-                weight = 2 if a == i or b == k else 1
-                total += weight * field[a, b]
+    for a in range(3):
+        for b in range(3):
+            if marks[i + a, k + b] > 0:
+                weight = 2 if a == 1 or b == 1 else 1
+                total += weight * field[i + a - 1, k + b - 1]
                 count += weight
     return total / count
 

@@ -14,7 +14,6 @@ friction is implicit and sets no time step of its own; the motion does (`limit_g
 import math
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
 from .coulomb_walls import friction_coefficient
@@ -62,13 +61,13 @@ def gate_velocity(time, lift):
     return -lift.speed * math.expm1(-since / lift.time_constant)
 
 
+@njit(cache=True, error_model="numpy")
 def open_fractions(aperture, height, column, dz):
-    """Set the open fraction of every x-face: 1, but for the gate at `column` (negative: no gate)."""
-    aperture[:] = 1.0
+    """Set the open fraction of the x-faces of the gate at `column` (negative: no gate); the others are open."""
     if 0 < column < aperture.shape[0] - 1:
-        rows = np.clip((height - dz * np.arange(aperture.shape[1])) / dz, 0.0, 1.0)
-        rows[rows < 1e-9] = 0.0
-        aperture[column] = rows
+        for k in range(aperture.shape[1]):
+            rise = min(max((height - dz * k) / dz, 0.0), 1.0)
+            aperture[column, k] = rise if rise >= 1e-9 else 0.0
 
 
 @njit(cache=True)

@@ -71,7 +71,7 @@ def allocate_geometry(nx, nz, halo=0):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def polygon_moments(phi_00, phi_10, phi_11, phi_01):
     """Area and first moments of the part of the unit square where phi < 0.
 
@@ -164,7 +164,7 @@ def fill_faces(mass_x, mass_z, filled, lever_x, lever_z, packing):
             mass_z[i, k + 1] += density * lever_z[i, k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wetted_edge(phi_a, phi_b):
     """Part of an edge with end values phi_a, phi_b that lies in the grains (phi < 0)."""
     if phi_a < 0.0 and phi_b < 0.0:

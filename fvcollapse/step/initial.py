@@ -61,7 +61,8 @@ def initial_volume(level_set, grid):
     """
     touch = ON_SURFACE * min(grid.dx, grid.dz)
     wetted = np.where(np.abs(level_set) < touch, -touch, level_set)
-    return volume(wetted, np.ones((grid.nx, grid.nz))) * grid.dx * grid.dz
+    everywhere = np.full(grid.nx, grid.nz)
+    return volume(wetted, np.ones((grid.nx, grid.nz)), everywhere) * grid.dx * grid.dz
 
 
 def initial_state(case, grid):

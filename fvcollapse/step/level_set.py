@@ -24,6 +24,7 @@ RESTORE_EVERY = (
 )
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
+SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
 
 
 def needs_restoring(travel, steps):
@@ -60,6 +61,18 @@ def node_velocity(u_node, w_node, u, w):
 
 
 @njit(cache=True)
+def node_speed(speed, u_node, w_node):
+    """Speed at the nodes, m/s; return the largest."""
+    fastest = 0.0
+    for i in range(speed.shape[0]):
+        for k in range(speed.shape[1]):
+            u, w = u_node[i, k], w_node[i, k]
+            speed[i, k] = math.hypot(u, w) if u != 0.0 or w != 0.0 else 0.0  # far off all is zero
+            fastest = max(fastest, speed[i, k])
+    return fastest
+
+
+@njit(cache=True)
 def _between(field, x, z):
     """Value at (x, z), in node spacings: bicubic (Catmull-Rom), bilinear beside the edges of the grid."""
     i, k = int(x), int(z)
@@ -83,7 +96,7 @@ def _between(field, x, z):
     return (1.0 - p) * low + p * ((1.0 - q) * field[i + 1, k] + q * field[i + 1, k + 1])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
     """Give every node of the band the velocity of its nearest surface point x - phi n.
 
@@ -127,6 +140,13 @@ def padded(extended, phi):
     for i in range(nx):
         for k in range(nz):
             extended[i + 3, k + 3] = phi[i, k]
+    continue_beyond(extended)
+
+
+@njit(cache=True)
+def continue_beyond(extended):
+    """Fill the three ghost layers around a field linearly."""
+    nx, nz = extended.shape[0] - 6, extended.shape[1] - 6
     for m in range(1, 4):
         for k in range(3, nz + 3):
             extended[3 - m, k] = (m + 1) * extended[3, k] - m * extended[4, k]
@@ -137,7 +157,7 @@ def padded(extended, phi):
             extended[i, nz + 2 + m] = (m + 1) * extended[i, nz + 2] - m * extended[i, nz + 1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
     """Rate = -u . grad phi by WENO5 at the nodes with |phi| < band; zero elsewhere."""
     nx, nz = rate.shape
@@ -216,7 +236,7 @@ def advect(phi, u_node, w_node, dt, dx, dz):
     close_bed(phi)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def crossing(phi_0, phi_1, curvature, h):
     """Distance from node 0 to the zero of the parabola through phi_0, phi_1 (opposite signs) with that curvature."""
     linear = h * phi_0 / (phi_0 - phi_1)
@@ -234,7 +254,7 @@ def crossing(phi_0, phi_1, curvature, h):
     return s if 0.0 < s < h else linear
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h):
     """ENO2 difference from a node towards its neighbour; returns (slope outwards, distance used).
 
@@ -246,7 +266,7 @@ def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h)
     return (there - here) / h - 0.5 * h * curvature, h
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     """Slopes outwards to both neighbours of a grid line and the shorter distance; a before, b beyond the node.
 
@@ -267,6 +287,100 @@ def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     return back, ahead, min(s_a, s_b)
 
 
+@njit(cache=True, error_model="numpy")
+def pull_between(a2, a1, here, b1, b2, sign, h):
+    """Slope towards the surface on a grid line that it does not cross beside the node; 0 if phi only falls.
+
+    As `slopes`, but dividing only what `minmod` takes.
+    """
+    bend = a1 - 2.0 * here + b1
+    back = (a1 - here) / h - 0.5 * h * (minmod(bend, here - 2.0 * a1 + a2) / (h * h))
+    ahead = (b1 - here) / h - 0.5 * h * (minmod(bend, here - 2.0 * b1 + b2) / (h * h))
+    return max(max(-sign * ahead, 0.0), max(-sign * back, 0.0))
+
+
+@njit(cache=True, error_model="numpy")
+def step_beside(new, old, a, b, sign, dx, dz):
+    """Pseudo-time step times (|grad phi| - 1) at any node; the surface may lie between it and a neighbour."""
+    left, right, s_x = slopes(
+        new[a - 2, b],
+        new[a - 1, b],
+        new[a, b],
+        new[a + 1, b],
+        new[a + 2, b],
+        old[a - 2, b],
+        old[a - 1, b],
+        old[a, b],
+        old[a + 1, b],
+        old[a + 2, b],
+        dx,
+    )
+    down, up, s_z = slopes(
+        new[a, b - 2],
+        new[a, b - 1],
+        new[a, b],
+        new[a, b + 1],
+        new[a, b + 2],
+        old[a, b - 2],
+        old[a, b - 1],
+        old[a, b],
+        old[a, b + 1],
+        old[a, b + 2],
+        dz,
+    )
+    # Godunov: away from the surface |phi| grows, so only directions towards it count
+    gx = max(max(-sign * right, 0.0), max(-sign * left, 0.0))
+    gz = max(max(-sign * up, 0.0), max(-sign * down, 0.0))
+    return 0.45 * min(s_x, s_z) * (math.sqrt(gx * gx + gz * gz) - 1.0)
+
+
+@njit(cache=True)
+def mark_sides(side, old, limit):
+    """Side (1 outside, -1 inside) of the nodes with |phi| <= limit, doubled beside the surface; else 0."""
+    for a in range(3, old.shape[0] - 3):
+        for b in range(3, old.shape[1] - 3):
+            here = old[a, b]
+            side[a, b] = 0
+            if here == 0.0 or abs(here) > limit:
+                continue
+            crossed = min(
+                min(here * old[a - 1, b], here * old[a + 1, b]),
+                min(here * old[a, b - 1], here * old[a, b + 1]),
+            )
+            side[a, b] = (2 if crossed < 0.0 else 1) * (1 if here > 0.0 else -1)
+
+
+@njit(cache=True, error_model="numpy")
+def restore_once(new, old, side, forwards, upwards, dx, dz):
+    """One Gauss-Seidel sweep, diagonal by diagonal.
+
+    The nodes of a diagonal do not see each other, so the order is as good as column by column, and
+    the processor need not wait for one before it starts the next.
+    """
+    nx, nz = old.shape[0] - 6, old.shape[1] - 6
+    for diagonal in range(nx + nz - 1):
+        for kk in range(max(diagonal - nx + 1, 0), min(diagonal + 1, nz)):
+            ii = diagonal - kk
+            a = 3 + (ii if forwards else nx - 1 - ii)
+            b = 3 + (kk if upwards else nz - 1 - kk)
+            if side[a, b] == 0:
+                continue
+            sign = 1.0 if side[a, b] > 0 else -1.0
+            if abs(side[a, b]) == 1:
+                gx = pull_between(
+                    new[a - 2, b], new[a - 1, b], new[a, b], new[a + 1, b], new[a + 2, b], sign, dx
+                )
+                gz = pull_between(
+                    new[a, b - 2], new[a, b - 1], new[a, b], new[a, b + 1], new[a, b + 2], sign, dz
+                )
+                step = 0.45 * min(dx, dz) * (math.sqrt(gx * gx + gz * gz) - 1.0)
+            else:
+                step = step_beside(new, old, a, b, sign, dx, dz)
+            new[a, b] -= sign * step
+            if new[a, b] * sign <= 0.0:
+                new[a, b] = sign * 1e-14
+
+
 @njit(cache=True)
 def reinitialise(phi, sweeps, dx, dz):
     """Make phi (in place) the signed distance to its own zero line, within the band.
@@ -282,71 +396,39 @@ def reinitialise(phi, sweeps, dx, dz):
     old = np.empty((nx + 6, nz + 6))
     padded(old, phi)
     new = old.copy()
-    limit = BAND * max(dx, dz)
+    side = np.empty(old.shape, np.int8)
+    h = max(dx, dz)
+    # the clamp below, shifted by the volume corrections since, must not leave nodes out
+    mark_sides(side, old, BAND * h + 4.0 * h)
     for sweep in range(sweeps):
-        for ii in range(nx):
-            i = ii if sweep % 2 == 0 else nx - 1 - ii
-            for kk in range(nz):
-                k = kk if sweep % 4 < 2 else nz - 1 - kk
-                a, b = i + 3, k + 3
-                # the clamp below, shifted by the volume corrections since, must not leave nodes out
-                if old[a, b] == 0.0 or abs(old[a, b]) > limit + 4.0 * max(dx, dz):
-                    continue
-                left, right, s_x = slopes(
-                    new[a - 2, b],
-                    new[a - 1, b],
-                    new[a, b],
-                    new[a + 1, b],
-                    new[a + 2, b],
-                    old[a - 2, b],
-                    old[a - 1, b],
-                    old[a, b],
-                    old[a + 1, b],
-                    old[a + 2, b],
-                    dx,
-                )
-                down, up, s_z = slopes(
-                    new[a, b - 2],
-                    new[a, b - 1],
-                    new[a, b],
-                    new[a, b + 1],
-                    new[a, b + 2],
-                    old[a, b - 2],
-                    old[a, b - 1],
-                    old[a, b],
-                    old[a, b + 1],
-                    old[a, b + 2],
-                    dz,
-                )
-                sign = 1.0 if old[a, b] > 0.0 else -1.0
-                # Godunov: away from the surface |phi| grows, so only directions towards it count
-                gx = max(max(-sign * right, 0.0), max(-sign * left, 0.0))
-                gz = max(max(-sign * up, 0.0), max(-sign * down, 0.0))
-                step = 0.45 * min(s_x, s_z) * (math.sqrt(gx * gx + gz * gz) - 1.0)
-                new[a, b] -= sign * step
-                if new[a, b] * sign <= 0.0:
-                    new[a, b] = 0.0 * sign + sign * 1e-14
-        _refresh_ghosts(new)
+        restore_once(new, old, side, sweep % 2 == 0, sweep % 4 < 2, dx, dz)
+        continue_beyond(new)
+    limit = BAND * h + 2.0 * h
     for i in range(nx):
         for k in range(nz):
-            phi[i, k] = min(
-                max(new[i + 3, k + 3], -limit - 2.0 * max(dx, dz)), limit + 2.0 * max(dx, dz)
-            )
+            phi[i, k] = min(max(new[i + 3, k + 3], -limit), limit)
     close_bed(phi)
 
 
 @njit(cache=True)
-def _refresh_ghosts(extended):
-    interior = extended[3:-3, 3:-3].copy()
-    padded(extended, interior)
+def rows_below(reach, level_set, height):
+    """Rows of each column of cells, counted from the bed, up to the last with a corner lower than `height`."""
+    for i in range(reach.size):
+        k = level_set.shape[1] - 1
+        while k >= 0 and level_set[i, k] >= height and level_set[i + 1, k] >= height:
+            k -= 1
+        reach[i] = min(k + 1, level_set.shape[1] - 1)
 
 
 @njit(cache=True)
-def volume(level_set, packing):
-    """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz)."""
+def volume(level_set, packing, reach):
+    """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz).
+
+    `reach` (nx,): rows of each column to visit; what is above is empty.
+    """
     total = 0.0
     for i in range(level_set.shape[0] - 1):
-        for k in range(level_set.shape[1] - 1):
+        for k in range(reach[i]):
             total += (
                 packing[i, k]
                 * polygon_moments(
@@ -372,9 +454,11 @@ def correct_volume(phi, mobility, packing, target, h):
     packing : (nx, nz) array
         Local density, relative to that of the target.
     h : float
-        Cell size, m: the shift stays below a tenth of it.
+        Cell size, m: the shift stays below `SHIFT_MOST` of it.
     """
-    before = volume(phi, packing)
+    reach = np.empty(packing.shape[0], np.int64)
+    rows_below(reach, phi, SHIFT_MOST * h)
+    before = volume(phi, packing, reach)
     missing = target - before
     if abs(missing) <= 1e-12 * target:
         return 0.0
@@ -386,10 +470,10 @@ def correct_volume(phi, mobility, packing, target, h):
         for i in range(phi.shape[0]):
             for k in range(phi.shape[1]):
                 phi[i, k] = original[i, k] - q * mobility[i, k]
-        gap = target - volume(phi, packing)
+        gap = target - volume(phi, packing, reach)
         if abs(gap) <= 1e-12 * target or gap == gap_old:
             break
         q_next = q - gap * (q - q_old) / (gap - gap_old)
         q_old, gap_old = q, gap
-        q = min(max(q_next, -0.1 * h), 0.1 * h)
+        q = min(max(q_next, -SHIFT_MOST * h), SHIFT_MOST * h)
     return missing - gap

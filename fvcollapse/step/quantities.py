@@ -38,15 +38,13 @@ def fill_quantities(
     g_node,
     pressure_filled,
     filled,
+    reach,
     extra_friction,
     material,
 ):
-    """Cell-centre fields in the wet cells; zero (and not ill-posed) elsewhere."""
-    nx, nz = filled.shape
-    for i in range(nx):
-        for k in range(nz):
-            pressure[i, k] = shear_rate[i, k] = viscosity[i, k] = inertial[i, k] = 0.0
-            ill_posed[i, k] = False
+    """Cell-centre fields in the wet cells; elsewhere they stay as they are, zero."""
+    for i in range(filled.shape[0]):
+        for k in range(reach[i]):
             if filled[i, k] <= WET:
                 continue
             rate = shear_rate_centre(e_centre, g_node, i, k)
@@ -113,6 +111,7 @@ def cell_quantities(state, geometry, material, response, dx, dz):
         g_node,
         state.pressure_filled,
         geometry.filled,
+        geometry.reach,
         extra_friction,
         material,
     )
@@ -131,15 +130,20 @@ def energies(state, geometry, density, gravity, dx, dz):
 
     The potential is zero at the origin (back wall, bed).
     """
-    cell = density * dx * dz
-    squares = weighted_square(geometry.mass_x, state.u) + weighted_square(geometry.mass_z, state.w)
     x_moment, z_moment = first_moments(
         geometry.filled, geometry.lever_x, geometry.lever_z, geometry.packing
     )
     return {
-        "kinetic": 0.5 * cell * squares,
-        "potential": -cell * (gravity[0] * dx * x_moment + gravity[1] * dz * z_moment),
+        "kinetic": kinetic_energy(state, geometry, density, dx, dz),
+        "potential": -(density * dx * dz)
+        * (gravity[0] * dx * x_moment + gravity[1] * dz * z_moment),
     }
+
+
+def kinetic_energy(state, geometry, density, dx, dz):
+    """Kinetic energy per unit width, J/m; see `energies`."""
+    squares = weighted_square(geometry.mass_x, state.u) + weighted_square(geometry.mass_z, state.w)
+    return 0.5 * (density * dx * dz) * squares
 
 
 @njit(cache=True)
@@ -148,7 +152,8 @@ def weighted_square(weight, values):
     total = 0.0
     for i in range(values.shape[0]):
         for k in range(values.shape[1]):
-            total += weight[i, k] * values[i, k] * values[i, k]
+            if weight[i, k] != 0.0:  # most cells are air
+                total += weight[i, k] * values[i, k] * values[i, k]
     return total
 
 
