@@ -1,9 +1,9 @@
 """Operations on whole arrays (n, m), as loops: slices that are assigned take the compiler ten times as long."""
 
-from numba import njit
+from .compiled import inner_jit
 
 
-@njit(cache=True)
+@inner_jit()
 def copy(target, source):
     """Copy an array into another one."""
     for i in range(target.shape[0]):
@@ -11,7 +11,7 @@ def copy(target, source):
             target[i, k] = source[i, k]
 
 
-@njit(cache=True)
+@inner_jit()
 def scale(target, factor):
     """Multiply an array by another one, in place."""
     for i in range(target.shape[0]):
@@ -19,7 +19,7 @@ def scale(target, factor):
             target[i, k] *= factor[i, k]
 
 
-@njit(cache=True)
+@inner_jit()
 def average(target, other):
     """Mean of two arrays, into the first."""
     for i in range(target.shape[0]):

@@ -12,8 +12,8 @@ width.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import kernel_jit
 from .coupled import MASS_FLOOR
 from .dilatancy import dilation_power
 from .geometry import last_face
@@ -50,7 +50,7 @@ class Outflow(NamedTuple):
     potential: float
 
 
-@njit(cache=True)
+@kernel_jit()
 def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     """Power of the viscous stress, summed over cells, Pa/s: eta times the squared deviatoric strain rate."""
     aperture = geometry.aperture
@@ -67,7 +67,7 @@ def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     return power
 
 
-@njit(cache=True)
+@kernel_jit()
 def friction_work(sink_x, sink_z, u, w, geometry):
     """Power of the lateral walls, summed over faces, Pa/s."""
     power = 0.0
@@ -80,7 +80,7 @@ def friction_work(sink_x, sink_z, u, w, geometry):
     return power
 
 
-@njit(cache=True)
+@kernel_jit()
 def impulse_work(impulse, u, w, geometry, least_mass, inertia):
     """Power gained from a change of velocity `impulse` before the solve, summed over faces, Pa/s."""
     power = 0.0
@@ -93,7 +93,7 @@ def impulse_work(impulse, u, w, geometry, least_mass, inertia):
     return inertia * power
 
 
-@njit(cache=True)
+@kernel_jit()
 def face_sums(mass, solved, start):
     """Sums over faces of mass (solved - start)^2, mass start^2 and mass solved."""
     change = carried = flow = 0.0
@@ -138,7 +138,7 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     volume = dx * dz
     bulk = volume * viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz)
-    if balance.response.dilatancy.factor > 0.0:
+    if balance.response is not None and balance.response.dilatancy.factor > 0.0:
         bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
     lateral = friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry)
     if impulse is not None:

@@ -1,8 +1,8 @@
 """Velocity beyond the surface: continued outwards layer by layer, for the advection of surface and momentum."""
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .stencils import minmod
 
@@ -16,7 +16,7 @@ SOLENOIDAL_LAYERS = (
 )
 
 
-@njit(cache=True)
+@inner_jit()
 def smooth_continuation(field, known, i, k):
     """Continuation along the grid lines on which three known faces adjoin, averaged over these lines.
 
@@ -45,7 +45,7 @@ def smooth_continuation(field, known, i, k):
     return (total / count if count > 0 else 0.0), count
 
 
-@njit(cache=True)
+@kernel_jit()
 def extrapolate(field, known, layers):
     """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the neighbours' mean beyond.
 
@@ -89,7 +89,7 @@ def extrapolate(field, known, layers):
                 known[i, k] = 0
 
 
-@njit(cache=True)
+@inner_jit()
 def _queue_neighbours(front_i, front_k, end, known, i, k):
     """Append the unknown neighbours of (i, k) to the front, marked -1; return its new end."""
     for a in range(max(i - 1, 0), min(i + 2, known.shape[0])):
@@ -101,7 +101,7 @@ def _queue_neighbours(front_i, front_k, end, known, i, k):
     return end
 
 
-@njit(cache=True)
+@inner_jit()
 def _mean_of_known(field, known, i, k):
     """Mean of the known neighbours of (i, k), those across a side counted twice."""
     total = 0.0
@@ -115,7 +115,7 @@ def _mean_of_known(field, known, i, k):
     return total / count
 
 
-@njit(cache=True)
+@kernel_jit()
 def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
@@ -141,7 +141,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
                 known_w[i - 1, k] = 1 if k == 0 or (wet and not film) else 0
 
 
-@njit(cache=True)
+@kernel_jit()
 def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
     """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by layer.
 

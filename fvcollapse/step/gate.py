@@ -15,8 +15,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import friction_coefficient
 from .erodible_bed import layer_thickness
 from .geometry import WET, wetted_edge
@@ -71,7 +71,7 @@ def open_fractions(aperture, height, column, dz):
         aperture[column] = rows
 
 
-@njit(cache=True)
+@inner_jit()
 def fill_gate(gate_cover, level_set, aperture, column):
     """Wetted part, as a fraction of a cell, of each cell's stretch of the closed gate; 0 without a gate.
 
@@ -89,7 +89,7 @@ def fill_gate(gate_cover, level_set, aperture, column):
         gate_cover[k] = (1.0 - aperture[column, k]) * wetted_edge(low, high)
 
 
-@njit(cache=True)
+@kernel_jit()
 def gate_reaction(pressure_filled, weight_centre, e_centre, geometry, column, k, gx, density, dx):
     """Normal reaction of the closed part of the gate on cell (column - 1, k), Pa averaged over the cell, >= 0."""
     i = column - 1
@@ -98,7 +98,7 @@ def gate_reaction(pressure_filled, weight_centre, e_centre, geometry, column, k,
     return max((1.0 - geometry.aperture[column, k]) * stress, 0.0)
 
 
-@njit(cache=True)
+@inner_jit()
 def gate_friction(
     k_gate,
     gate_slip,

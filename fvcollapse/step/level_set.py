@@ -11,8 +11,8 @@ phi continues straight through them.
 import math
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments
 from .stencils import cubic, derivative_weno5, minmod
 
@@ -31,13 +31,13 @@ def needs_restoring(travel, steps):
     return travel >= RESTORE_AFTER or (steps >= RESTORE_EVERY and travel >= 0.1 * RESTORE_AFTER)
 
 
-@njit(cache=True)
+@inner_jit()
 def _mean_of_four(a, b, c, d):
     """Fourth-order value half way between b and c."""
     return (9.0 * (b + c) - a - d) / 16.0
 
 
-@njit(cache=True)
+@kernel_jit()
 def node_velocity(u_node, w_node, u, w):
     """Velocity at the nodes, m/s, from the faces: fourth order, second beside the edges of the grid.
 
@@ -59,7 +59,7 @@ def node_velocity(u_node, w_node, u, w):
                 w_node[i, k] = 0.5 * (w[max(i - 1, 0), k] + w[min(i, nx - 1), k])
 
 
-@njit(cache=True)
+@inner_jit()
 def _between(field, x, z):
     """Value at (x, z), in node spacings: bicubic (Catmull-Rom), bilinear beside the edges of the grid."""
     i, k = int(x), int(z)
@@ -83,7 +83,7 @@ def _between(field, x, z):
     return (1.0 - p) * low + p * ((1.0 - q) * field[i + 1, k] + q * field[i + 1, k + 1])
 
 
-@njit(cache=True)
+@kernel_jit()
 def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
     """Give every node of the band the velocity of its nearest surface point x - phi n.
 
@@ -108,7 +108,7 @@ def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
             u_out[i, k], w_out[i, k] = _between(u_node, x, z), _between(w_node, x, z)
 
 
-@njit(cache=True)
+@inner_jit()
 def close_bed(phi):
     """Wet the bed under every wet node of the first row.
 
@@ -120,7 +120,7 @@ def close_bed(phi):
         phi[i, 0] = min(phi[i, 0], phi[i, 1])
 
 
-@njit(cache=True)
+@inner_jit()
 def padded(extended, phi):
     """Copy phi with three ghost layers, continued linearly."""
     nx, nz = phi.shape
@@ -137,7 +137,7 @@ def padded(extended, phi):
             extended[i, nz + 2 + m] = (m + 1) * extended[i, nz + 2] - m * extended[i, nz + 1]
 
 
-@njit(cache=True)
+@inner_jit()
 def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
     """Rate = -u . grad phi by WENO5 at the nodes with |phi| < band; zero elsewhere."""
     nx, nz = rate.shape
@@ -198,7 +198,7 @@ def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
                 )
 
 
-@njit(cache=True)
+@kernel_jit()
 def advect(phi, u_node, w_node, dt, dx, dz):
     """Advance phi (in place) by dt with the frozen node velocity, TVD-RK3."""
     nx, nz = phi.shape
@@ -216,7 +216,7 @@ def advect(phi, u_node, w_node, dt, dx, dz):
     close_bed(phi)
 
 
-@njit(cache=True)
+@inner_jit()
 def crossing(phi_0, phi_1, curvature, h):
     """Distance from node 0 to the zero of the parabola through phi_0, phi_1 (opposite signs) with that curvature."""
     linear = h * phi_0 / (phi_0 - phi_1)
@@ -234,7 +234,7 @@ def crossing(phi_0, phi_1, curvature, h):
     return s if 0.0 < s < h else linear
 
 
-@njit(cache=True)
+@inner_jit()
 def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h):
     """ENO2 difference from a node towards its neighbour; returns (slope outwards, distance used).
 
@@ -246,7 +246,7 @@ def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h)
     return (there - here) / h - 0.5 * h * curvature, h
 
 
-@njit(cache=True)
+@inner_jit()
 def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     """Slopes outwards to both neighbours of a grid line and the shorter distance; a before, b beyond the node.
 
@@ -267,7 +267,7 @@ def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     return back, ahead, min(s_a, s_b)
 
 
-@njit(cache=True)
+@kernel_jit()
 def reinitialise(phi, sweeps, dx, dz):
     """Make phi (in place) the signed distance to its own zero line, within the band.
 
@@ -335,13 +335,13 @@ def reinitialise(phi, sweeps, dx, dz):
     close_bed(phi)
 
 
-@njit(cache=True)
+@inner_jit()
 def _refresh_ghosts(extended):
     interior = extended[3:-3, 3:-3].copy()
     padded(extended, interior)
 
 
-@njit(cache=True)
+@kernel_jit()
 def volume(level_set, packing):
     """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz)."""
     total = 0.0
@@ -359,7 +359,7 @@ def volume(level_set, packing):
     return total
 
 
-@njit(cache=True)
+@kernel_jit()
 def correct_volume(phi, mobility, packing, target, h):
     """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
 
