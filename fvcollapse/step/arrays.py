@@ -25,3 +25,20 @@ def average(target, other):
     for i in range(target.shape[0]):
         for k in range(target.shape[1]):
             target[i, k] = 0.5 * (target[i, k] + other[i, k])
+
+
+@inner_jit()
+def add(target, other):
+    """Add an array to another one, in place."""
+    for i in range(target.shape[0]):
+        for k in range(target.shape[1]):
+            target[i, k] += other[i, k]
+
+
+@inner_jit()
+def total(values):
+    """Sum of the values (n,), one after the other; the method `sum` makes every start import half of scipy."""
+    found = 0.0
+    for n in range(values.size):
+        found += values[n]
+    return found

@@ -24,9 +24,9 @@ def kernel_jit(**options):
     """Decorator of a kernel that Python may call."""
 
     def compiled(function):
-        kernel = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
+        kernel = njit(no_cfunc_wrapper=True, **options)(function)
         if hasattr(kernel, "_cache"):  # not where Numba is switched off
-            kernel._cache = KernelCache(function)
+            kernel._cache = KernelCache(function)  # as does `cache=True`
         return kernel
 
     return compiled

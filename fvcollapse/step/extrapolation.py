@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .arrays import add, total
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .stencils import minmod
@@ -125,7 +126,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """
     nx, nz = geometry.filled.shape
     thick = nx
-    while thick > 0 and geometry.mass_x[thick].sum() * dz < film_thickness:
+    while thick > 0 and total(geometry.mass_x[thick]) * dz < film_thickness:
         thick -= 1
     for i in range(nx + 1):
         film = i > thick + 1
@@ -173,5 +174,5 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
                 add_u[i + 1, k] -= right * share / dx
                 add_w[i, k] += below * share / dz
                 add_w[i, k + 1] -= above * share / dz
-        u += add_u
-        w += add_w
+        add(u, add_u)
+        add(w, add_w)

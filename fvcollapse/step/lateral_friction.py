@@ -26,6 +26,7 @@ import math
 
 import numpy as np
 
+from .arrays import total
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 
@@ -55,7 +56,7 @@ def face_pressures(
     pressure_x[:] = 0.0
     pressure_z[:] = 0.0
     for i in range(nx):
-        top = dz * geometry.filled[i].sum() if deep_ratio < 1.0 else 0.0
+        top = dz * total(geometry.filled[i]) if deep_ratio < 1.0 else 0.0
         for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
             p = pressure_filled[i, k]
