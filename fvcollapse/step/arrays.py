@@ -1,4 +1,4 @@
-"""Operations on whole arrays (n, m), as loops: slices that are assigned take the compiler ten times as long."""
+"""Operations on whole arrays, (n, m) unless said otherwise, as loops: Numba compiles its own much longer."""
 
 from .compiled import inner_jit
 
