@@ -11,10 +11,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from fvcollapse.case import GRAVITY
 from fvcollapse.observation import seen_front, seen_place, seen_time_origin
+from fvcollapse.step.compiled import kernel_jit
 from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
@@ -43,7 +43,7 @@ def thickness(level_set, dz):
     return dz * cells
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def cells_inside(cells, level_set):
     """Add to `cells` (nx + 1,) how many cell edges of each vertical node line lie in the grains."""
     for i in range(cells.size):
@@ -60,7 +60,7 @@ def speed_xface(state):
     return np.hypot(state.u, w_xface)
 
 
-@njit(cache=True)
+@kernel_jit()
 def survey_motion(filled, u, w, ill_posed):
     """Largest speed at the centre of a cell with grains (m/s), flowing volume and ill-posed part of it (cells)."""
     largest = flowing = part = 0.0

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 import fvcollapse
+from fvcollapse.step import geometry
+from fvcollapse.step.compiled import KernelCache
 
 PACKAGE = Path(fvcollapse.__file__).parent
 
@@ -97,6 +99,19 @@ def kernels():
 KERNELS = list(kernels())
 
 
+def inner_kernels():
+    """Names of the kernels without an entry for Python, by module of the step."""
+    found = {}
+    for kernel in KERNELS:
+        module, _, name = kernel.id.rpartition(".")
+        if ast.unparse(kernel.values[1]).startswith("inner_jit"):
+            found.setdefault(module.rpartition(".")[2], set()).add(name)
+    return found
+
+
+INNER = inner_kernels()
+
+
 def test_the_checks_see_the_code():
     """A renamed folder or decorator must not make the tests below pass by finding nothing."""
     assert len(KERNELS) > 50
@@ -139,10 +154,56 @@ def test_kernel_is_cached_and_exact(kernel, decorator):
     Division by zero may give inf or NaN in place of an error: the sweeps find them in the velocity.
     """
     assert isinstance(decorator, ast.Call)
+    assert ast.unparse(decorator.func) in ("kernel_jit", "inner_jit")
     options = {option.arg: ast.unparse(option.value) for option in decorator.keywords}
     options.pop("inline", None)
     assert options.pop("error_model", "'numpy'") == "'numpy'"
-    assert options == {"cache": "True"}
+    assert not options
+
+
+def test_the_decorators_cache_and_ask_for_no_fast_arithmetic():
+    for kernel, wrapper in (
+        (geometry.fill_cells, {}),
+        (vars(geometry)["_number"], {"no_cpython_wrapper": True}),
+    ):
+        assert isinstance(kernel._cache, KernelCache)
+        own = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True}
+        assert kernel.targetoptions == own | wrapper
+
+
+def uses_outside_kernels(tree, known):
+    """Names that a file uses outside of kernels, as (module of the step, function); `known` are its own."""
+    names, found = {name: (known, name) for name in INNER.get(known, ())}, set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            source = (node.module or "").rpartition(".")[2]
+            names |= {a.asname or a.name: (source, a.name) for a in node.names}
+    inside = {
+        id(part)
+        for kernel in ast.walk(tree)
+        if isinstance(kernel, ast.FunctionDef)
+        and "jit" in "".join(map(ast.unparse, kernel.decorator_list))
+        for part in ast.walk(kernel)
+    }
+    for node in ast.walk(tree):
+        if id(node) in inside:
+            continue
+        if isinstance(node, ast.Name) and node.id in names:
+            found.add(names[node.id])
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            found.add((names.get(node.value.id, ("", node.value.id))[1], node.attr))
+    return found
+
+
+def test_python_calls_no_inner_kernel():
+    """It would end the process: these have no entry for Python."""
+    assert sum(map(len, INNER.values())) > 50
+    folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "runs", "plots"))]
+    for path in (path for folder in folders for path in folder.rglob("*.py")):
+        own = path.stem if path.parent == PACKAGE / "step" else ""
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for module, name in uses_outside_kernels(tree, own):
+            assert name not in INNER.get(module, ()), f"{path} uses {module}.{name}"
 
 
 @pytest.mark.parametrize(("kernel", "decorator"), KERNELS)

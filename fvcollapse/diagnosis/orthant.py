@@ -3,13 +3,14 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from ..step.compiled import kernel_jit
 
 LOWEST = -15.0  # deviations below which the tail is expanded; its error there is 1e-8
 LOG_SQRT_2_PI = 0.5 * math.log(2.0 * math.pi)
 
 
-@njit(cache=True)
+@kernel_jit()
 def log_normal_tail(z):
     """Logarithm of the standard normal distribution function."""
     if z > LOWEST:
@@ -19,7 +20,7 @@ def log_normal_tail(z):
     return -0.5 * z * z - math.log(-z) - LOG_SQRT_2_PI + math.log(series)
 
 
-@njit(cache=True)
+@kernel_jit()
 def log_probability_positive(mean, covariance, side):
     """Logarithm of P(side x > 0 for all components), (q,); exact for one, Mendell-Elston for more.
 

@@ -1,9 +1,9 @@
-"""Operations on whole arrays (n, m), as loops: slices that are assigned take the compiler ten times as long."""
+"""Operations on whole arrays, (n, m) unless said otherwise, as loops: Numba compiles its own much longer."""
 
-from numba import njit
+from .compiled import inner_jit, kernel_jit
 
 
-@njit(cache=True)
+@inner_jit()
 def copy(target, source):
     """Copy an array into another one."""
     for i in range(target.shape[0]):
@@ -11,7 +11,7 @@ def copy(target, source):
             target[i, k] = source[i, k]
 
 
-@njit(cache=True)
+@inner_jit()
 def scale(target, factor):
     """Multiply an array by another one, in place."""
     for i in range(target.shape[0]):
@@ -19,7 +19,7 @@ def scale(target, factor):
             target[i, k] *= factor[i, k]
 
 
-@njit(cache=True)
+@kernel_jit()
 def largest(values):
     """Largest magnitude."""
     most = 0.0
@@ -29,9 +29,26 @@ def largest(values):
     return most
 
 
-@njit(cache=True)
+@kernel_jit()
 def average(target, other):
     """Mean of two arrays, into the first."""
     for i in range(target.shape[0]):
         for k in range(target.shape[1]):
             target[i, k] = 0.5 * (target[i, k] + other[i, k])
+
+
+@inner_jit()
+def add(target, other):
+    """Add an array to another one, in place."""
+    for i in range(target.shape[0]):
+        for k in range(target.shape[1]):
+            target[i, k] += other[i, k]
+
+
+@inner_jit()
+def total(values):
+    """Sum of the values (n,), one after the other; the method `sum` makes every start import half of scipy."""
+    found = 0.0
+    for n in range(values.size):
+        found += values[n]
+    return found

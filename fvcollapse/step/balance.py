@@ -13,7 +13,10 @@ SOFT_STEPS = 10  # first steps, whose sweeps begin with a larger regularisation
 
 
 class Balance(NamedTuple):
-    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls."""
+    """Constants of the momentum balance of one step, SI. `wall_strength` = 2 mu_w K_w / w, 0 without lateral walls.
+
+    `response` is None where no effect answers the sweeps: the compiler then leaves out what they call.
+    """
 
     dt: float
     density: float
@@ -34,7 +37,7 @@ class Balance(NamedTuple):
     gate_column: int
     gate_speed: float
     mu_gate: float
-    response: Response
+    response: Response | None
 
 
 def balance_of(case, state, dt, gravity, lift, gate_column, response):
@@ -80,5 +83,5 @@ def balance_of(case, state, dt, gravity, lift, gate_column, response):
         gate_column=gate_column,
         gate_speed=gate_velocity(state.time + dt, lift),
         mu_gate=gate.mu_gate if gate is not None else 0.0,
-        response=response,
+        response=response if response.active else None,
     )

@@ -6,8 +6,8 @@ eliminated together from two columns at a time, so that a row once loaded serves
 """
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .lanes import LANES, row_products, subtract_rows
 
 PIVOTS = 4
@@ -36,21 +36,21 @@ def allocate_system(ends, buffer=None):
     return buffer[: rows * width].reshape(rows, width), np.zeros(rows)
 
 
-@njit(cache=True)
+@kernel_jit()
 def new_system(n, half_bandwidth):
     """Band and right-hand side of n unknowns in new memory, for kernels; see `allocate_system`."""
     rows = n + LANES
     return np.zeros((rows, half_bandwidth + 1 + PADDING)), np.zeros(rows)
 
 
-@njit(cache=True)
+@kernel_jit()
 def clear(band, ends):
     """Zero within the envelope; there is nothing else outside of it."""
     for j in range(ends.size):
         band[j, : ends[j] - j + 1] = 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def _eliminate_pivot(flat, at, width, count, last):
     """Take the pivot column at `at` out of the `count` columns after it; `last` is its height.
 
@@ -67,7 +67,7 @@ def _eliminate_pivot(flat, at, width, count, last):
     return True
 
 
-@njit(cache=True)
+@inner_jit()
 def _eliminate_four(flat, a, width, height):
     """Take the four pivot columns from `a` on out of all columns that their envelope meets."""
     b, c, d = a + width - 1, a + 2 * width - 2, a + 3 * width - 3  # all counted from the row of a
@@ -105,7 +105,7 @@ def _eliminate_four(flat, a, width, height):
         )
 
 
-@njit(cache=True)
+@kernel_jit()
 def factorise(band, ends):
     """Factorise in place; return 0, or j > 0 if pivot j (counted from 1) is not positive.
 
@@ -134,7 +134,7 @@ def factorise(band, ends):
     return 0
 
 
-@njit(cache=True)
+@kernel_jit()
 def solve_factorised(rhs, band, ends):
     """Overwrite the first n of `rhs` (n + LANES,) with the solution, from the band left by `factorise`."""
     n, width = ends.size, band.shape[1]
@@ -155,7 +155,7 @@ def solve_factorised(rhs, band, ends):
         _backward_four(rhs, flat, j, j * width, width, ends[j + PIVOTS - 1] - j - PIVOTS + 1)
 
 
-@njit(cache=True)
+@inner_jit()
 def _forward_four(rhs, flat, j, a, width, count):
     """Four unknowns from j on, and their part of the `count` rows below them."""
     b, c, d = a + width - 1, a + 2 * width - 2, a + 3 * width - 3
@@ -168,7 +168,7 @@ def _forward_four(rhs, flat, j, a, width, count):
     subtract_rows(rhs, (j + PIVOTS,), flat, places, ((x0, x1, x2, x3),), count)
 
 
-@njit(cache=True)
+@inner_jit()
 def _backward_four(rhs, flat, j, a, width, count):
     """Four unknowns from j on, from the `count` rows below them."""
     b, c, d = a + width - 1, a + 2 * width - 2, a + 3 * width - 3

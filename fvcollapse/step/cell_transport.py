@@ -9,8 +9,8 @@ surface, take the mean of their neighbours.
 """
 
 import numpy as np
-from numba import njit
 
+from .compiled import kernel_jit
 from .extrapolation import LAYERS, extrapolate
 from .geometry import cell_fractions, wetted_edge
 from .momentum import rows_in_reach
@@ -19,7 +19,7 @@ from .passages import list_passages, transport
 TRUSTED = 0.05  # filled fraction below which a cell takes the value of its neighbours
 
 
-@njit(cache=True)
+@kernel_jit()
 def volume_fluxes(flux_x, flux_z, u, w, aperture, phi_old, phi_new, dt, dx, dz):
     """Volume that crosses the faces (nx + 1, nz) and (nx, nz + 1) of the cells during dt, in cells."""
     nx, nz = w.shape[0], u.shape[1]

@@ -11,13 +11,12 @@ slip.
 
 import math
 
-from numba import njit
-
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .rheology import effective_viscosity, shear_rate_at_stress, with_extra_friction
 
 
-@njit(cache=True)
+@kernel_jit()
 def bed_reaction(pressure_filled, weight_centre, e_centre, geometry, i, gz, density, dz):
     """Normal reaction of the bed under cell (i, 0), Pa averaged over the cell, >= 0."""
     carried = density * gz * dz * (geometry.filled[i, 0] - geometry.lever_z[i, 0])
@@ -25,7 +24,7 @@ def bed_reaction(pressure_filled, weight_centre, e_centre, geometry, i, gz, dens
     return max(pressure_filled[i, 0] + 2.0 * weight_centre[i, 0] * e_centre[i, 0] - carried, 0.0)
 
 
-@njit(cache=True)
+@kernel_jit()
 def back_wall_reaction(pressure_filled, weight_centre, e_centre, geometry, k, gx, density, dx):
     """Normal reaction of the back wall on cell (0, k), Pa averaged over the cell, >= 0."""
     carried = density * gx * dx * (geometry.filled[0, k] - geometry.lever_x[0, k])
@@ -33,7 +32,7 @@ def back_wall_reaction(pressure_filled, weight_centre, e_centre, geometry, k, gx
     return max(pressure_filled[0, k] - 2.0 * weight_centre[0, k] * e_centre[0, k] - carried, 0.0)
 
 
-@njit(cache=True)
+@inner_jit()
 def wall_traction(speed, half_width, reaction, coverage, mu_wall, material):
     """Traction and slip of one half cell.
 
@@ -63,7 +62,7 @@ def wall_traction(speed, half_width, reaction, coverage, mu_wall, material):
     return traction, speed - half_width * sheared
 
 
-@njit(cache=True)
+@inner_jit()
 def friction_coefficient(speed, half_width, reaction, coverage, mu_wall, material):
     """Friction coefficient traction / |u_0| (Pa s/m) and slip speed; at rest the no-slip limit, which then is exact."""
     if coverage <= 0.0 or mu_wall == 0.0:
@@ -75,7 +74,7 @@ def friction_coefficient(speed, half_width, reaction, coverage, mu_wall, materia
     return traction / speed, slip
 
 
-@njit(cache=True)
+@inner_jit()
 def bed_friction(
     k_bed,
     bed_slip,
@@ -122,7 +121,7 @@ def bed_friction(
         bed_slip[i] = math.copysign(slip, u[i, 0])
 
 
-@njit(cache=True)
+@inner_jit()
 def back_wall_friction(
     k_wall,
     wall_slip,

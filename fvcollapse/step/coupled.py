@@ -15,9 +15,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from .banded import clear, factorise, solve_factorised
+from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
 from .geometry import WET, last_face, repeat_columns
@@ -96,30 +96,43 @@ def allocate_work(nx, nz):
     )
 
 
-@njit(cache=True)
-def answer(work, pressure_filled, geometry, material, balance, dx, dz):
-    """What the effects make of the strain rates in `work`."""
-    respond(
-        work.response,
-        work.e_centre,
-        work.g_node,
-        pressure_filled,
-        geometry,
-        material,
-        balance.response,
-        balance.penalty,
-        balance.dt,
-        dx,
-        dz,
-    )
+@inner_jit()
+def answer(response, work, pressure_filled, geometry, material, balance, dx, dz):
+    """What the effects make of the strain rates in `work`; nothing is compiled where `response` is None."""
+    if response is not None:
+        respond(
+            work.response,
+            work.e_centre,
+            work.g_node,
+            pressure_filled,
+            geometry,
+            material,
+            response,
+            balance.penalty,
+            balance.dt,
+            dx,
+            dz,
+        )
 
 
-@njit(cache=True)
+@inner_jit()
+def answer_beforehand(
+    response, work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz
+):
+    """The source of dilating grains before the first sweep: it says which cells are being compressed."""
+    if response is None:
+        return
+    if response.dilatancy.factor > 0.0:
+        strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+        relax_late(work.response, 0)
+        answer(response, work, pressure_filled, geometry, material, balance, dx, dz)
+
+
+@kernel_jit()
 def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
     strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-    if balance.response.active:
-        answer(work, pressure_filled, geometry, material, balance, dx, dz)
+    answer(balance.response, work, pressure_filled, geometry, material, balance, dx, dz)
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
@@ -129,17 +142,17 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         geometry,
         material,
     )
-    if balance.response.active:
-        add_extra_friction(
-            work.weight_centre,
-            work.weight_node,
-            work.response.extra_friction,
-            work.e_centre,
-            work.g_node,
-            pressure_filled,
-            geometry,
-            material,
-        )
+    add_extra_friction(
+        balance.response,
+        work.weight_centre,
+        work.weight_node,
+        work.response.extra_friction,
+        work.e_centre,
+        work.g_node,
+        pressure_filled,
+        geometry,
+        material,
+    )
     bed_friction(
         work.k_bed,
         bed_slip,
@@ -210,7 +223,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         work.sink_z[:] = 0.0
 
 
-@njit(cache=True)
+@kernel_jit()
 def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
     """Inertia, weight and wall frictions: the diagonal of the band and the right-hand side."""
     inertia = balance.density / balance.dt
@@ -239,7 +252,7 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                     rhs[n] += work.k_gate[k] / dx * balance.gate_speed
 
 
-@njit(cache=True)
+@inner_jit()
 def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
     """Rhs += B^T P: minus the discrete pressure gradient."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
@@ -257,7 +270,7 @@ def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
                     rhs[iw[i, k + 1]] += p / dz
 
 
-@njit(cache=True)
+@kernel_jit()
 def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
     """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
     clear(band, ends)
@@ -269,17 +282,16 @@ def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, b
             if not work.constrained[i, k]:
                 pressure_filled[i, k] = 0.0
     add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
-    if balance.response.dilatancy.factor > 0.0:
-        add_source(rhs, work.response, work.constrained, geometry, dx, dz)
+    add_source(balance.response, rhs, work.response, work.constrained, geometry, dx, dz)
 
 
-@njit(cache=True)
+@inner_jit()
 def larger(a, b):
     """Maximum of a and b; NaN if b is NaN, which `max` would drop."""
     return a if b <= a else b
 
 
-@njit(cache=True)
+@kernel_jit()
 def take_solution(u, w, solution, geometry):
     """Write the solution to the faces; return (largest change, largest speed), m/s."""
     nx = geometry.filled.shape[0]
@@ -301,7 +313,7 @@ def take_solution(u, w, solution, geometry):
     return change, largest
 
 
-@njit(cache=True)
+@inner_jit()
 def start_constraints(constrained, source, u, w, pressure_filled, geometry, unilateral, dx, dz):
     """Cells in which div u = s is imposed first: all wet ones, or those under pressure or being compressed."""
     nx, nz = constrained.shape
@@ -317,7 +329,7 @@ def start_constraints(constrained, source, u, w, pressure_filled, geometry, unil
             )
 
 
-@njit(cache=True)
+@inner_jit()
 def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_release, dx, dz):
     """P -= r (div u - s) where constrained, then release and take up cells; return the largest |div u - s|."""
     largest = 0.0
@@ -348,7 +360,7 @@ def update_multiplier(pressure_filled, work, u, w, geometry, balance, may_releas
     return largest
 
 
-@njit(cache=True)
+@kernel_jit()
 def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
     """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
@@ -407,13 +419,13 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
     return largest / weight if weight > 0.0 else largest
 
 
-@njit(cache=True)
+@inner_jit()
 def _add(vector, n, value):
     if n >= 0:
         vector[n] += value
 
 
-@njit(cache=True)
+@inner_jit()
 def bed_force(work, u, geometry):
     """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
     total = 0.0
@@ -423,7 +435,7 @@ def bed_force(work, u, geometry):
     return total
 
 
-@njit(cache=True)
+@kernel_jit()
 def solve(
     u,
     w,
@@ -457,10 +469,19 @@ def solve(
     answered = work.response
     answered.source[:] = 0.0
     answered.penalty[:] = balance.penalty
-    if balance.response.dilatancy.factor > 0.0:  # the source says which cells are being compressed
-        strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-        relax_late(answered, 0)
-        answer(work, pressure_filled, geometry, material, balance, dx, dz)
+    answer_beforehand(
+        balance.response,
+        work,
+        u,
+        w,
+        pressure_filled,
+        bed_slip,
+        geometry,
+        material,
+        balance,
+        dx,
+        dz,
+    )
     start_constraints(
         work.constrained,
         answered.source,

@@ -39,9 +39,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from .cell_transport import TRUSTED, transport_cells
+from .compiled import inner_jit, kernel_jit
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
@@ -91,13 +91,13 @@ def limit_dilatancy(dilation_rate):
     return CHANGE_PER_STEP / fastest if fastest > 0.0 else math.inf
 
 
-@njit(cache=True)
+@inner_jit()
 def equilibrium_fraction(inertial, law):
     """nu_eq = nu_c - b min(I, 1), dimensionless."""
     return law.fraction_critical - law.slope * min(inertial, 1.0)
 
 
-@njit(cache=True)
+@kernel_jit()
 def expansion(shear_rate, pressure, fraction, dt, law, grain_scale):
     """Rate of volume change s, 1/s, that takes nu to its value after the strain of one step.
 
@@ -123,7 +123,7 @@ def expansion(shear_rate, pressure, fraction, dt, law, grain_scale):
     return y / ((1.0 + y) * dt)
 
 
-@njit(cache=True)
+@inner_jit()
 def dilate(
     source,
     penalty,
@@ -182,7 +182,7 @@ def dilate(
             penalty[i, k] = 1.0 / (1.0 / hardest + (s - s_above) / (step * v))
 
 
-@njit(cache=True)
+@kernel_jit()
 def dilation_power(source, pressure_filled, geometry):
     """Power of the pressure in expanding the grains, summed over cells, Pa/s; the friction has paid for it."""
     power = 0.0

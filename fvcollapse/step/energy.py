@@ -12,8 +12,8 @@ width.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .coupled import MASS_FLOOR
 from .dilatancy import dilation_power
 from .geometry import last_face
@@ -50,7 +50,7 @@ class Outflow(NamedTuple):
     potential: float
 
 
-@njit(cache=True)
+@kernel_jit()
 def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     """Power of the viscous stress, summed over cells, Pa/s: eta times the squared deviatoric strain rate."""
     aperture = geometry.aperture
@@ -67,7 +67,7 @@ def viscous_work(weight_centre, weight_node, u, w, geometry, dx, dz):
     return power
 
 
-@njit(cache=True)
+@kernel_jit()
 def friction_work(sink_x, sink_z, u, w, geometry):
     """Power of the lateral walls, summed over faces, Pa/s."""
     power = 0.0
@@ -80,7 +80,7 @@ def friction_work(sink_x, sink_z, u, w, geometry):
     return power
 
 
-@njit(cache=True)
+@kernel_jit()
 def impulse_work(impulse, u, w, geometry, least_mass, inertia):
     """Power gained from a change of velocity `impulse` before the solve, summed over faces, Pa/s."""
     power = 0.0
@@ -93,7 +93,7 @@ def impulse_work(impulse, u, w, geometry, least_mass, inertia):
     return inertia * power
 
 
-@njit(cache=True)
+@kernel_jit()
 def face_sums(mass, solved, start):
     """Sums over faces of mass (solved - start)^2, mass start^2 and mass solved."""
     change = carried = flow = 0.0
@@ -108,7 +108,7 @@ def face_sums(mass, solved, start):
     return change, carried, flow
 
 
-@njit(cache=True)
+@inner_jit()
 def bed_work(k_bed, bed_slip, u, geometry):
     """Power of the friction of the bed over its slip, and over the velocity of the first faces, W/m2, summed."""
     slid = moved = 0.0
@@ -120,7 +120,7 @@ def bed_work(k_bed, bed_slip, u, geometry):
     return slid, moved
 
 
-@njit(cache=True)
+@inner_jit()
 def wall_work(k_wall, wall_slip, w, geometry):
     """The same of the back wall, from slip speeds."""
     slid = moved = 0.0
@@ -133,7 +133,7 @@ def wall_work(k_wall, wall_slip, w, geometry):
     return slid, moved
 
 
-@njit(cache=True)
+@kernel_jit()
 def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
     """`viscous_work`, `friction_work`, `bed_work` and `wall_work` of the coefficients of a solve."""
     return (
@@ -169,7 +169,7 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     bulk *= volume
-    if balance.response.dilatancy.factor > 0.0:
+    if balance.response is not None and balance.response.dilatancy.factor > 0.0:
         bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
     if impulse is not None:
         lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)

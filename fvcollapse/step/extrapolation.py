@@ -1,8 +1,9 @@
 """Velocity beyond the surface: continued outwards layer by layer, for the advection of surface and momentum."""
 
 import numpy as np
-from numba import njit
 
+from .arrays import add, total
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .stencils import minmod
 
@@ -17,7 +18,7 @@ SOLENOIDAL_LAYERS = (
 BORDER = -2  # mark of what is beyond the edges of the grid: neither known nor to be found
 
 
-@njit(cache=True)
+@inner_jit()
 def smooth_continuation(field, known, i, k):
     """Continuation along the grid lines on which three known faces adjoin, averaged over these lines.
 
@@ -46,7 +47,7 @@ def smooth_continuation(field, known, i, k):
     return (total / count if count > 0 else 0.0), count
 
 
-@njit(cache=True)
+@kernel_jit()
 def extrapolate(field, known, layers):
     """Fill the faces where `known` is 0, outwards: smoothly in the first layer, with the neighbours' mean beyond.
 
@@ -94,7 +95,7 @@ def extrapolate(field, known, layers):
                 field[i, k] = 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def _queue_neighbours(front_i, front_k, end, marks, i, k):
     """Append the unknown neighbours of (i, k) to the front, marked -1; return its new end."""
     for a in range(i, i + 3):
@@ -106,7 +107,7 @@ def _queue_neighbours(front_i, front_k, end, marks, i, k):
     return end
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def _mean_of_known(field, marks, i, k):
     """Mean of the known neighbours of (i, k), those across a side counted twice."""
     total = 0.0
@@ -120,7 +121,7 @@ def _mean_of_known(field, marks, i, k):
     return total / count
 
 
-@njit(cache=True)
+@kernel_jit()
 def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
@@ -130,7 +131,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """
     nx, nz = geometry.filled.shape
     thick = nx
-    while thick > 0 and geometry.mass_x[thick].sum() * dz < film_thickness:
+    while thick > 0 and total(geometry.mass_x[thick]) * dz < film_thickness:
         thick -= 1
     for i in range(nx + 1):
         film = i > thick + 1
@@ -146,7 +147,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
                 known_w[i - 1, k] = 1 if k == 0 or (wet and not film) else 0
 
 
-@njit(cache=True)
+@kernel_jit()
 def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
     """Make the continued velocity solenoidal in the first empty cells beyond the surface, layer by layer.
 
@@ -178,5 +179,5 @@ def close_divergence(u, w, known_u, known_w, filled, layers, dx, dz):
                 add_u[i + 1, k] -= right * share / dx
                 add_w[i, k] += below * share / dz
                 add_w[i, k + 1] -= above * share / dz
-        u += add_u
-        w += add_w
+        add(u, add_u)
+        add(w, add_w)

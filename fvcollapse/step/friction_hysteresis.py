@@ -29,9 +29,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from .cell_transport import TRUSTED
+from .compiled import kernel_jit
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
@@ -60,7 +60,7 @@ def start_hysteresis(state, case):
         state.settled_share = np.ones(state.pressure_filled.shape)
 
 
-@njit(cache=True)
+@kernel_jit()
 def settled_after(share, shear_rate, pressure, dt, law, grain_scale):
     """Settled share of the contacts, 0 to 1, after the time dt (s) at constant shear rate and pressure.
 
@@ -85,7 +85,7 @@ def settled_after(share, shear_rate, pressure, dt, law, grain_scale):
     return 1.0 - (1.0 - share) * math.exp(-healing * dt)
 
 
-@njit(cache=True)
+@kernel_jit()
 def settle(share, e_centre, g_node, pressure_filled, geometry, law, grain_scale, dt):
     """Settled share of every well-filled cell after dt, in place."""
     for i in range(share.shape[0]):

@@ -14,8 +14,7 @@ friction is implicit and sets no time step of its own; the motion does (`limit_g
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import friction_coefficient
 from .erodible_bed import layer_thickness
 from .geometry import WET, wetted_edge
@@ -61,7 +60,7 @@ def gate_velocity(time, lift):
     return -lift.speed * math.expm1(-since / lift.time_constant)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def open_fractions(aperture, height, column, dz):
     """Set the open fraction of the x-faces of the gate at `column` (negative: no gate); the others are open."""
     if 0 < column < aperture.shape[0] - 1:
@@ -70,7 +69,7 @@ def open_fractions(aperture, height, column, dz):
             aperture[column, k] = rise if rise >= 1e-9 else 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def fill_gate(gate_cover, level_set, aperture, column):
     """Wetted part, as a fraction of a cell, of each cell's stretch of the closed gate; 0 without a gate.
 
@@ -88,7 +87,7 @@ def fill_gate(gate_cover, level_set, aperture, column):
         gate_cover[k] = (1.0 - aperture[column, k]) * wetted_edge(low, high)
 
 
-@njit(cache=True)
+@kernel_jit()
 def gate_reaction(pressure_filled, weight_centre, e_centre, geometry, column, k, gx, density, dx):
     """Normal reaction of the closed part of the gate on cell (column - 1, k), Pa averaged over the cell, >= 0."""
     i = column - 1
@@ -97,7 +96,7 @@ def gate_reaction(pressure_filled, weight_centre, e_centre, geometry, column, k,
     return max((1.0 - geometry.aperture[column, k]) * stress, 0.0)
 
 
-@njit(cache=True)
+@inner_jit()
 def gate_friction(
     k_gate,
     gate_slip,

@@ -11,7 +11,8 @@ friction needs.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from .compiled import inner_jit, kernel_jit
 
 WET = 1.0e-8  # filled fraction below which a cell counts as empty; its weight is below round-off of its neighbours
 
@@ -71,7 +72,7 @@ def allocate_geometry(nx, nz, halo=0):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def polygon_moments(phi_00, phi_10, phi_11, phi_01):
     """Area and first moments of the part of the unit square where phi < 0.
 
@@ -124,7 +125,7 @@ def polygon_moments(phi_00, phi_10, phi_11, phi_01):
     return area, moment_x, moment_z
 
 
-@njit(cache=True)
+@kernel_jit()
 def fill_cells(filled, lever_x, lever_z, level_set, aperture):
     """Filled fraction and lever shares of every cell.
 
@@ -149,7 +150,7 @@ def fill_cells(filled, lever_x, lever_z, level_set, aperture):
             lever_z[i, k] = mz
 
 
-@njit(cache=True)
+@kernel_jit()
 def fill_faces(mass_x, mass_z, filled, lever_x, lever_z, packing):
     """Face masses: what the two adjacent cells hand to each face by the lever rule."""
     nx, nz = filled.shape
@@ -164,7 +165,7 @@ def fill_faces(mass_x, mass_z, filled, lever_x, lever_z, packing):
             mass_z[i, k + 1] += density * lever_z[i, k]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def wetted_edge(phi_a, phi_b):
     """Part of an edge with end values phi_a, phi_b that lies in the grains (phi < 0)."""
     if phi_a < 0.0 and phi_b < 0.0:
@@ -174,7 +175,7 @@ def wetted_edge(phi_a, phi_b):
     return min(phi_a, phi_b) / (min(phi_a, phi_b) - max(phi_a, phi_b))
 
 
-@njit(cache=True)
+@inner_jit()
 def fill_walls(bed_cover, wall_cover, level_set):
     """Wetted part of each cell's stretch of the bed and of the back wall."""
     for i in range(bed_cover.size):
@@ -183,7 +184,7 @@ def fill_walls(bed_cover, wall_cover, level_set):
         wall_cover[k] = wetted_edge(level_set[0, k], level_set[0, k + 1])
 
 
-@njit(cache=True)
+@kernel_jit()
 def fill_reach(reach, filled):
     """One row more than the highest wet cell of the two columns beside each x-face; 0 where both are dry."""
     nx, nz = filled.shape
@@ -197,7 +198,7 @@ def fill_reach(reach, filled):
             reach[i + 1] = min(top + 1, nz)
 
 
-@njit(cache=True)
+@kernel_jit()
 def number_unknowns(geometry, open_end):
     """Number the faces that touch a wet cell; return the last unknown with which each couples, directly or by fill-in.
 
@@ -229,7 +230,7 @@ def number_unknowns(geometry, open_end):
     return _envelope(index_u, index_w, reach, first, last, n)
 
 
-@njit(cache=True)
+@inner_jit()
 def _mark_interior(interior, index_u, index_w, reach):
     """Nodes around which all four faces are unknowns."""
     interior[:] = False
@@ -239,7 +240,7 @@ def _mark_interior(interior, index_u, index_w, reach):
             inside[k] = min(min(here[k - 1], here[k]), min(left[k], right[k])) >= 0
 
 
-@njit(cache=True)
+@inner_jit()
 def _mark_unknowns(index_u, index_w, filled, aperture, reach, open_end, first, last):
     """Index 0 on the faces that are unknowns (of a periodic stretch, within [first, last)), -1 elsewhere."""
     nx = filled.shape[0]
@@ -256,7 +257,7 @@ def _mark_unknowns(index_u, index_w, filled, aperture, reach, open_end, first, l
                 index_w[i, k] = 0
 
 
-@njit(cache=True)
+@inner_jit()
 def _number(index, i, k, n):
     """Give a marked face the number n; return the next number."""
     if index[i, k] < 0:
@@ -265,13 +266,13 @@ def _number(index, i, k, n):
     return n + 1
 
 
-@njit(cache=True)
+@kernel_jit()
 def last_face(geometry):
     """End of the x-faces that belong to the solved columns (a periodic stretch counts its first face only)."""
     return geometry.last + (1 if geometry.first == 0 else 0)
 
 
-@njit(cache=True)
+@kernel_jit()
 def repeat_columns(field, first, last):
     """Copy the periodic stretch [first, last) of a field into its halo, in place."""
     period = last - first
@@ -282,7 +283,7 @@ def repeat_columns(field, first, last):
                 field[i, k] = field[same, k]
 
 
-@njit(cache=True)
+@inner_jit()
 def _envelope(index_u, index_w, reach, first, last, count):
     """Last unknown that each unknown can meet in the factorised matrix: cells and nodes couple four at a time."""
     ends = np.arange(count)
@@ -296,7 +297,7 @@ def _envelope(index_u, index_w, reach, first, last, count):
     return ends
 
 
-@njit(cache=True)
+@inner_jit()
 def _join(ends, a, b, c, d):
     high = max(max(a, b), max(c, d))
     for n in (a, b, c, d):

@@ -13,10 +13,10 @@ without them, and then nothing here is called.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from .arrays import copy
 from .cell_transport import transport_cells
+from .compiled import inner_jit, kernel_jit
 from .dilatancy import (
     FULL_SWEEPS,
     Dilatancy,
@@ -134,13 +134,13 @@ def finish_response(work, state, e_centre, g_node, geometry, material, response,
 # -- once a sweep --------------------------------------------------------------------------------
 
 
-@njit(cache=True)
+@inner_jit()
 def relax_late(work, sweep):
     """All the way in the first sweeps, half of it in the later ones."""
     work.share[0] = 1.0 if sweep < FULL_SWEEPS else 0.5
 
 
-@njit(cache=True)
+@kernel_jit()
 def respond(
     work, e_centre, g_node, pressure_filled, geometry, material, response, hardest, dt, dx, dz
 ):
@@ -196,8 +196,9 @@ def respond(
         )
 
 
-@njit(cache=True)
+@inner_jit()
 def add_extra_friction(
+    response,
     weight_centre,
     weight_node,
     extra_friction,
@@ -211,10 +212,14 @@ def add_extra_friction(
 
     Parameters
     ----------
+    response : Response or None
+        Without it there is none.
     weight_centre, weight_node : (nx, nz), (nx + 1, nz + 1) arrays
         Filled fraction times viscosity, from `viscosity_weights`; changed in place, Pa s.
     extra_friction : (nx, nz) array
     """
+    if response is None:
+        return
     filled = geometry.filled
     for i in range(filled.shape[0]):
         for k in range(geometry.reach[i]):
@@ -241,9 +246,13 @@ def add_extra_friction(
                 weight_node[i, k] = max(weight_node[i, k] + extra, v * ETA_FLOOR)
 
 
-@njit(cache=True)
-def add_source(rhs, work, constrained, geometry, dx, dz):
+@inner_jit()
+def add_source(response, rhs, work, constrained, geometry, dx, dz):
     """Change the constraint of the assembled system from penalty div u = 0 to penalty (div u - s) = 0."""
+    if response is None:
+        return
+    if response.dilatancy.factor <= 0.0:
+        return
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):

@@ -6,16 +6,16 @@ t = mu (1 - n/2), the criterion of Barker, Schaeffer, Bohorquez & Gray (2015), J
 794-818.
 """
 
-from numba import njit
+from .compiled import kernel_jit
 
 
-@njit(cache=True)
+@kernel_jit()
 def criterion(exponent, stress_slope):
     """C = 4 n (n - 1) + t^2; positive where disturbances grow (if also t < 2 (1 - n))."""
     return 4.0 * exponent * (exponent - 1.0) + stress_slope * stress_slope
 
 
-@njit(cache=True)
+@kernel_jit()
 def is_ill_posed(exponent, stress_slope):
     """Whether the state with n = `exponent` and t = `stress_slope` is ill-posed."""
     return criterion(exponent, stress_slope) > 0.0 and stress_slope < 2.0 * (1.0 - exponent)

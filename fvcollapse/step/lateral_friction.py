@@ -25,8 +25,9 @@ until the next step: a mass stuck between the walls beside a flow creeps at no m
 import math
 
 import numpy as np
-from numba import njit
 
+from .arrays import total
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 
 
@@ -40,13 +41,13 @@ def sink_constants(walls, channel_width):
     return strength, walls.deep_ratio, walls.weakening_depth
 
 
-@njit(cache=True)
+@inner_jit()
 def weakened(depth, deep_ratio, weakening_depth):
     """Friction at a depth (m) below the surface over that at the surface; exactly 1 with deep_ratio = 1."""
     return deep_ratio + (1.0 - deep_ratio) * math.exp(-depth / weakening_depth)
 
 
-@njit(cache=True)
+@kernel_jit()
 def face_pressures(
     pressure_x, pressure_z, pressure_filled, geometry, deep_ratio, weakening_depth, dz
 ):
@@ -55,7 +56,7 @@ def face_pressures(
     pressure_x[:] = 0.0
     pressure_z[:] = 0.0
     for i in range(nx):
-        top = dz * geometry.filled[i].sum() if deep_ratio < 1.0 else 0.0
+        top = dz * total(geometry.filled[i]) if deep_ratio < 1.0 else 0.0
         for k in range(geometry.reach[i]):
             v = geometry.filled[i, k]
             p = pressure_filled[i, k]
@@ -71,7 +72,7 @@ def face_pressures(
                 pressure_z[i, k + 1] += share * p
 
 
-@njit(cache=True)
+@inner_jit()
 def speed_at_xface(u, w, i, k):
     """|u| at x-face (i, k), with w averaged from the four neighbours; m/s."""
     nx = w.shape[0]
@@ -80,7 +81,7 @@ def speed_at_xface(u, w, i, k):
     return math.sqrt(u[i, k] ** 2 + w_mean**2)
 
 
-@njit(cache=True)
+@inner_jit()
 def speed_at_zface(u, w, i, k):
     """|u| at z-face (i, k), with u averaged from the four neighbours; m/s."""
     nz = u.shape[1]
@@ -89,7 +90,7 @@ def speed_at_zface(u, w, i, k):
     return math.sqrt(u_mean**2 + w[i, k] ** 2)
 
 
-@njit(cache=True)
+@kernel_jit()
 def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, strength, slip_min):
     """Diagonal coefficients of the implicit sink on x- and z-faces, Pa s/m2; `strength` = 2 mu_w / w (1/m)."""
     nx = w.shape[0]
@@ -105,7 +106,7 @@ def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, st
                 sink_z[i, k] = strength * pressure_z[i, k] / math.sqrt(speed**2 + slip_min**2)
 
 
-@njit(cache=True)
+@kernel_jit()
 def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, least_mass, dx, dz):
     """u_new = u + dt (g - grad p / rho) at the unknown faces, unchanged elsewhere; p of the last step."""
     nx, nz = pressure_filled.shape
@@ -131,7 +132,7 @@ def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, lea
                 )
 
 
-@njit(cache=True)
+@kernel_jit()
 def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, least_mass):
     """|u| <- max(0, |u| - impulse p) in the direction of u; exact for a frozen pressure, never reverses.
 

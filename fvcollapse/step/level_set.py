@@ -11,8 +11,8 @@ phi continues straight through them.
 import math
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments
 from .stencils import cubic, derivative_weno5, minmod
 
@@ -32,13 +32,13 @@ def needs_restoring(travel, steps):
     return travel >= RESTORE_AFTER or (steps >= RESTORE_EVERY and travel >= 0.1 * RESTORE_AFTER)
 
 
-@njit(cache=True)
+@inner_jit()
 def _mean_of_four(a, b, c, d):
     """Fourth-order value half way between b and c."""
     return (9.0 * (b + c) - a - d) / 16.0
 
 
-@njit(cache=True)
+@kernel_jit()
 def node_velocity(u_node, w_node, u, w):
     """Velocity at the nodes, m/s, from the faces: fourth order, second beside the edges of the grid.
 
@@ -60,7 +60,7 @@ def node_velocity(u_node, w_node, u, w):
                 w_node[i, k] = 0.5 * (w[max(i - 1, 0), k] + w[min(i, nx - 1), k])
 
 
-@njit(cache=True)
+@kernel_jit()
 def node_speed(speed, u_node, w_node):
     """Speed at the nodes, m/s; return the largest."""
     fastest = 0.0
@@ -72,7 +72,7 @@ def node_speed(speed, u_node, w_node):
     return fastest
 
 
-@njit(cache=True)
+@inner_jit()
 def _between(field, x, z):
     """Value at (x, z), in node spacings: bicubic (Catmull-Rom), bilinear beside the edges of the grid."""
     i, k = int(x), int(z)
@@ -96,7 +96,7 @@ def _between(field, x, z):
     return (1.0 - p) * low + p * ((1.0 - q) * field[i + 1, k] + q * field[i + 1, k + 1])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
     """Give every node of the band the velocity of its nearest surface point x - phi n.
 
@@ -121,7 +121,7 @@ def carry_from_surface(u_out, w_out, u_node, w_node, phi, band, dx, dz):
             u_out[i, k], w_out[i, k] = _between(u_node, x, z), _between(w_node, x, z)
 
 
-@njit(cache=True)
+@inner_jit()
 def close_bed(phi):
     """Wet the bed under every wet node of the first row.
 
@@ -133,7 +133,7 @@ def close_bed(phi):
         phi[i, 0] = min(phi[i, 0], phi[i, 1])
 
 
-@njit(cache=True)
+@inner_jit()
 def padded(extended, phi):
     """Copy phi with three ghost layers, continued linearly."""
     nx, nz = phi.shape
@@ -143,7 +143,7 @@ def padded(extended, phi):
     continue_beyond(extended)
 
 
-@njit(cache=True)
+@inner_jit()
 def continue_beyond(extended):
     """Fill the three ghost layers around a field linearly."""
     nx, nz = extended.shape[0] - 6, extended.shape[1] - 6
@@ -157,7 +157,7 @@ def continue_beyond(extended):
             extended[i, nz + 2 + m] = (m + 1) * extended[i, nz + 2] - m * extended[i, nz + 1]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
     """Rate = -u . grad phi by WENO5 at the nodes with |phi| < band; zero elsewhere."""
     nx, nz = rate.shape
@@ -218,7 +218,7 @@ def advection_rate(rate, extended, u_node, w_node, band, dx, dz):
                 )
 
 
-@njit(cache=True)
+@kernel_jit()
 def advect(phi, u_node, w_node, dt, dx, dz):
     """Advance phi (in place) by dt with the frozen node velocity, TVD-RK3."""
     nx, nz = phi.shape
@@ -236,7 +236,7 @@ def advect(phi, u_node, w_node, dt, dx, dz):
     close_bed(phi)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def crossing(phi_0, phi_1, curvature, h):
     """Distance from node 0 to the zero of the parabola through phi_0, phi_1 (opposite signs) with that curvature."""
     linear = h * phi_0 / (phi_0 - phi_1)
@@ -254,7 +254,7 @@ def crossing(phi_0, phi_1, curvature, h):
     return s if 0.0 < s < h else linear
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h):
     """ENO2 difference from a node towards its neighbour; returns (slope outwards, distance used).
 
@@ -266,7 +266,7 @@ def outward_slope(here, there, curvature, old_here, old_there, old_curvature, h)
     return (there - here) / h - 0.5 * h * curvature, h
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     """Slopes outwards to both neighbours of a grid line and the shorter distance; a before, b beyond the node.
 
@@ -287,7 +287,7 @@ def slopes(a2, a1, here, b1, b2, old_a2, old_a1, old_here, old_b1, old_b2, h):
     return back, ahead, min(s_a, s_b)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def pull_between(a2, a1, here, b1, b2, sign, h):
     """Slope towards the surface on a grid line that it does not cross beside the node; 0 if phi only falls.
 
@@ -299,7 +299,7 @@ def pull_between(a2, a1, here, b1, b2, sign, h):
     return max(max(-sign * ahead, 0.0), max(-sign * back, 0.0))
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def step_beside(new, old, a, b, sign, dx, dz):
     """Pseudo-time step times (|grad phi| - 1) at any node; the surface may lie between it and a neighbour."""
     left, right, s_x = slopes(
@@ -334,7 +334,7 @@ def step_beside(new, old, a, b, sign, dx, dz):
     return 0.45 * min(s_x, s_z) * (math.sqrt(gx * gx + gz * gz) - 1.0)
 
 
-@njit(cache=True)
+@inner_jit()
 def mark_sides(side, old, limit):
     """Side (1 outside, -1 inside) of the nodes with |phi| <= limit, doubled beside the surface; else 0."""
     for a in range(3, old.shape[0] - 3):
@@ -350,7 +350,7 @@ def mark_sides(side, old, limit):
             side[a, b] = (2 if crossed < 0.0 else 1) * (1 if here > 0.0 else -1)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def restore_once(new, old, side, forwards, upwards, dx, dz):
     """One Gauss-Seidel sweep, diagonal by diagonal.
 
@@ -381,7 +381,7 @@ def restore_once(new, old, side, forwards, upwards, dx, dz):
                 new[a, b] = sign * 1e-14
 
 
-@njit(cache=True)
+@kernel_jit()
 def reinitialise(phi, sweeps, dx, dz):
     """Make phi (in place) the signed distance to its own zero line, within the band.
 
@@ -410,7 +410,7 @@ def reinitialise(phi, sweeps, dx, dz):
     close_bed(phi)
 
 
-@njit(cache=True)
+@inner_jit()
 def rows_below(reach, level_set, height):
     """Rows of each column of cells, counted from the bed, up to the last with a corner lower than `height`."""
     for i in range(reach.size):
@@ -420,7 +420,7 @@ def rows_below(reach, level_set, height):
         reach[i] = min(k + 1, level_set.shape[1] - 1)
 
 
-@njit(cache=True)
+@kernel_jit()
 def volume(level_set, packing, reach):
     """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz).
 
@@ -441,7 +441,7 @@ def volume(level_set, packing, reach):
     return total
 
 
-@njit(cache=True)
+@kernel_jit()
 def correct_volume(phi, mobility, packing, target, h):
     """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
 

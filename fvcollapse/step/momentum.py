@@ -14,37 +14,37 @@ Rudman (1998), Int. J. Numer. Meth. Fluids 28, 357, for the mass-consistent flux
 """
 
 import numpy as np
-from numba import njit
 
 from .arrays import average
+from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments, wetted_edge
 from .passages import list_passages, transport
 
 
-@njit(cache=True)
+@inner_jit()
 def _mean(a, b):
     return 0.5 * (a + b)
 
 
-@njit(cache=True)
+@inner_jit()
 def _wetted_upright(phi, i, k):
     """Wetted part of the upright line through the centre of cell (i, k)."""
     return wetted_edge(_mean(phi[i, k], phi[i + 1, k]), _mean(phi[i, k + 1], phi[i + 1, k + 1]))
 
 
-@njit(cache=True)
+@inner_jit()
 def _wetted_level(phi, i, k):
     """Wetted part of the level line through the centre of cell (i, k)."""
     return wetted_edge(_mean(phi[i, k], phi[i, k + 1]), _mean(phi[i + 1, k], phi[i + 1, k + 1]))
 
 
-@njit(cache=True)
+@inner_jit()
 def _wetted_half(phi, i, k, to_i, to_k):
     """Wetted part of the half edge from node (i, k) towards node (to_i, to_k)."""
     return wetted_edge(phi[i, k], _mean(phi[i, k], phi[to_i, to_k]))
 
 
-@njit(cache=True)
+@inner_jit()
 def _filled_half(phi, i, k, side):
     """Filled area, in cells, of one half of cell (i, k); side 0 left, 1 right, 2 lower, 3 upper."""
     a, b, c, d = phi[i, k], phi[i + 1, k], phi[i + 1, k + 1], phi[i, k + 1]
@@ -59,26 +59,26 @@ def _filled_half(phi, i, k, side):
     return 0.5 * polygon_moments(a, b, c, d)[0]
 
 
-@njit(cache=True)
+@inner_jit()
 def _dry_cell(phi, i, k):
     return min(min(phi[i, k], phi[i + 1, k]), min(phi[i, k + 1], phi[i + 1, k + 1])) >= 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def _dry_node(phi, i, k):
     """Whether the node (0 < k < nz) and its four neighbours are dry."""
     left, right = phi[max(i - 1, 0), k], phi[min(i + 1, phi.shape[0] - 1), k]
     return min(phi[i, k], min(min(left, right), min(phi[i, k - 1], phi[i, k + 1]))) >= 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def _deep_node(phi, i, k):
     """Whether the inner node and its four neighbours are wet."""
     beside = max(phi[i - 1, k], phi[i + 1, k])
     return max(max(phi[i, k], beside), max(phi[i, k - 1], phi[i, k + 1])) < 0.0
 
 
-@njit(cache=True)
+@kernel_jit()
 def rows_in_reach(phi_old, phi_new):
     """Rows (nx + 1,) of cells, faces and nodes at node column i that the grains touch during the step.
 
@@ -99,7 +99,7 @@ def rows_in_reach(phi_old, phi_new):
     return reach
 
 
-@njit(cache=True)
+@kernel_jit()
 def control_masses(mass_u, mass_w, phi, packing, reach):
     """Filled area of the control volume of every face, in cells, weighted by the packing of each cell."""
     mass_u[:] = 0.0
@@ -115,7 +115,7 @@ def control_masses(mass_u, mass_w, phi, packing, reach):
             mass_w[i, k + 1] += density * _filled_half(phi, i, k, 3)
 
 
-@njit(cache=True, inline="always")
+@inner_jit(inline="always")
 def _laden(flux, packing, i, k, di, dk):
     """Flux of mass, from the flux of volume out of cell (i - di, k - dk) into (i, k)."""
     if flux >= 0.0:
@@ -123,7 +123,7 @@ def _laden(flux, packing, i, k, di, dk):
     return flux * packing[min(i, packing.shape[0] - 1), min(k, packing.shape[1] - 1)]
 
 
-@njit(cache=True)
+@inner_jit()
 def mass_fluxes(
     along_u,
     across_u,
@@ -208,7 +208,7 @@ def mass_fluxes(
                     across_w[i, k] += _laden(flux, packing, i, k, 1, 0)
 
 
-@njit(cache=True)
+@inner_jit()
 def with_ghosts(field, slip, odd_x, odd_z):
     """Copy of a velocity component with two more faces on each side.
 
@@ -234,7 +234,7 @@ def with_ghosts(field, slip, odd_x, odd_z):
     return padded
 
 
-@njit(cache=True)
+@inner_jit()
 def transport_component(moved, start, slip, passages, di, shape_factor):
     """Both stages of the Runge-Kutta scheme for u (di = 1) or w (di = 0)."""
     second = np.empty_like(start)
@@ -245,7 +245,7 @@ def transport_component(moved, start, slip, passages, di, shape_factor):
     average(moved, second)
 
 
-@njit(cache=True)
+@kernel_jit()
 def advect_momentum(
     u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, packing, dt, dx, dz, shape_factor
 ):

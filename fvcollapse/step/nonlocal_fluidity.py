@@ -28,9 +28,9 @@ Kamrin & Koval (2012), Phys. Rev. Lett. 108, 178301; Henann & Kamrin (2014), Phy
 import math
 
 import numpy as np
-from numba import njit
 
 from .banded import factorise, new_system, solve_factorised
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .rheology import effective_viscosity, with_extra_friction
 from .strain import shear_rate_centre
@@ -50,7 +50,7 @@ def start_fluidity(state, case):
         state.fluidity = np.zeros(state.pressure_filled.shape)
 
 
-@njit(cache=True)
+@inner_jit()
 def number_cells(index, geometry):
     """Number the wet cells, column by column (a periodic stretch row by row); return how many."""
     index[:] = -1
@@ -70,7 +70,7 @@ def number_cells(index, geometry):
     return n
 
 
-@njit(cache=True)
+@inner_jit()
 def neighbour(index, geometry, i, k, ahead):
     """Number of the cell next to (i, k) along the bed or, if not `ahead`, above it; -1 if it is dry or itself."""
     if not ahead:
@@ -83,7 +83,7 @@ def neighbour(index, geometry, i, k, ahead):
     return index[beside, k]
 
 
-@njit(cache=True)
+@inner_jit()
 def _couple(band, a, b, strength):
     """Add strength (g_a - g_b)^2 / 2 to the energy of the band."""
     band[a, 0] += strength
@@ -91,7 +91,7 @@ def _couple(band, a, b, strength):
     band[min(a, b), abs(a - b)] -= strength
 
 
-@njit(cache=True)
+@kernel_jit()
 def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
     """Fluidity g (nx, nz) of the wet cells, 1/s: mu g - length^2 lap g = shear_rate; 0 elsewhere.
 
@@ -142,7 +142,7 @@ def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
     _spread(g, rhs, index, geometry)
 
 
-@njit(cache=True)
+@inner_jit()
 def _spread(g, solution, index, geometry):
     """Write the solution to the cells, those of the halo of a periodic stretch included."""
     period = geometry.last - geometry.first
@@ -155,7 +155,7 @@ def _spread(g, solution, index, geometry):
             g[i, k] = solution[a] if a >= 0 else 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def cooperate(friction, g, e_centre, g_node, pressure_filled, geometry, material, length, dx, dz):
     """Change the extra friction (nx, nz) of every wet cell, in place, from the local to the nonlocal law.
 

@@ -7,8 +7,8 @@ loops that follow have no branches and visit no air.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .stencils import upwind_weno3
 
 
@@ -31,7 +31,7 @@ class Passages(NamedTuple):
     after: np.ndarray
 
 
-@njit(cache=True)
+@inner_jit()
 def _new_passages(count, end, mass):
     return Passages(
         np.empty(count),
@@ -45,7 +45,7 @@ def _new_passages(count, end, mass):
     )
 
 
-@njit(cache=True)
+@inner_jit()
 def _list_one(passages, n, flux, here, hop, place, leap):
     """Put the flux from `here` to `here + hop` at n; `place` and `leap` are the same two in the padded array."""
     passages.flux[n] = flux
@@ -57,7 +57,7 @@ def _list_one(passages, n, flux, here, hop, place, leap):
     passages.last[n] = place + leap if onward else place
 
 
-@njit(cache=True)
+@kernel_jit()
 def list_passages(along, across, end, mass, reach, di, dk):
     """The `Passages` of a component in direction (di, dk).
 
@@ -107,7 +107,7 @@ def list_passages(along, across, end, mass, reach, di, dk):
     return listed
 
 
-@njit(cache=True)
+@inner_jit()
 def _mass_after(passages, mass):
     """Mass of every control volume after the step.
 
@@ -130,7 +130,7 @@ def _mass_after(passages, mass):
         after[n] = max(before[n] + arrives - leaves, max(arrives, leaves))
 
 
-@njit(cache=True)
+@inner_jit()
 def _let_out(gain, start, padded, end, di):
     """Book what leaves through the far end of the domain: from the last face itself (u), or beside it (w)."""
     i = start.shape[0] - 1
@@ -141,14 +141,14 @@ def _let_out(gain, start, padded, end, di):
         gain[i, k] -= end[k] * (here - start[i, k])
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def _reconstruct(carried, padded, first, middle, last):
     """Velocity that each flux carries: a loop of its own, for vector instructions."""
     for n in range(carried.size):
         carried[n] = upwind_weno3(padded[first[n]], padded[middle[n]], padded[last[n]])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def transport(moved, start, padded, passages, di, shape_factor):
     """One stage: moved = (mass * start + fluxes of `padded`) / (mass + fluxes), for a shape factor of 1.
 

@@ -1,8 +1,7 @@
 """Geometry of the present surface and gate, for the solve: everything that follows from where the grains are."""
 
-from numba import njit
-
 from .arrays import copy, scale
+from .compiled import kernel_jit
 from .gate import fill_gate
 from .geometry import (
     fill_cells,
@@ -13,7 +12,7 @@ from .geometry import (
 )
 
 
-@njit(cache=True)
+@kernel_jit()
 def place(geometry, level_set, packing, gate_column, open_end):
     """Fill `geometry`, whose apertures are set, and number the unknowns; return `number_unknowns`' envelope.
 

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from .compiled import kernel_jit
 from .geometry import WET
 from .grain_response import allocate_response, prepare_response, respond
 from .ill_posedness import is_ill_posed
@@ -12,7 +12,7 @@ from .rheology import effective_viscosity, inertial_number, with_extra_friction
 from .strain import shear_rate_centre, strain_rates
 
 
-@njit(cache=True)
+@kernel_jit()
 def local_slopes(shear_rate, pressure, material):
     """N = d ln tau / d ln shear_rate and t = d tau / d p of the law, by central differences of 0.1 %."""
     step = 1.0e-3
@@ -27,7 +27,7 @@ def local_slopes(shear_rate, pressure, material):
     return exponent, rise / (2.0 * step * pressure)
 
 
-@njit(cache=True)
+@kernel_jit()
 def fill_quantities(
     pressure,
     shear_rate,
@@ -146,7 +146,7 @@ def kinetic_energy(state, geometry, density, dx, dz):
     return 0.5 * (density * dx * dz) * squares
 
 
-@njit(cache=True)
+@kernel_jit()
 def weighted_square(weight, values):
     """Sum of weight * values^2 over two arrays of one shape."""
     total = 0.0
@@ -157,7 +157,7 @@ def weighted_square(weight, values):
     return total
 
 
-@njit(cache=True)
+@kernel_jit()
 def first_moments(filled, lever_x, lever_z, packing):
     """Moments of the filled area, weighted by the packing, about the origin, in cells^2 dx and cells^2 dz."""
     x_moment = z_moment = 0.0

@@ -17,8 +17,7 @@ known in closed form instead of being rigid.
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from .compiled import inner_jit, kernel_jit
 from .ill_posedness import lower_well_posed_limit
 
 MU_I, DRUCKER_PRAGER, BINGHAM, NEWTONIAN, MU_I_REGULARISED = range(5)
@@ -94,7 +93,7 @@ def material(case):
     )
 
 
-@njit(cache=True)
+@kernel_jit()
 def with_shear_rate_min(material, shear_rate_min):
     """The same material with another regularisation rate (1/s)."""
     return Material(
@@ -113,7 +112,7 @@ def with_shear_rate_min(material, shear_rate_min):
     )
 
 
-@njit(cache=True)
+@inner_jit()
 def with_extra_friction(material, extra_friction):
     """The same mu_I or drucker_prager material with `extra_friction` added to its friction coefficient."""
     return Material(
@@ -132,7 +131,7 @@ def with_extra_friction(material, extra_friction):
     )
 
 
-@njit(cache=True)
+@inner_jit()
 def inertial_number(shear_rate, pressure, grain_scale):
     """Inertial number I = shear_rate d sqrt(rho_grain) / sqrt(p), equation 3; inf without pressure."""
     if pressure <= 0.0:
@@ -140,13 +139,13 @@ def inertial_number(shear_rate, pressure, grain_scale):
     return shear_rate * grain_scale / math.sqrt(pressure)
 
 
-@njit(cache=True)
+@kernel_jit()
 def mu_of_upper_branch(inertial, mu_1, mu_2, I_0, mu_infinity):
     """(mu_1 I_0 + mu_2 I + mu_inf I^2) / (I_0 + I), Barker & Gray (2017), equation 6.3."""
     return (mu_1 * I_0 + mu_2 * inertial + mu_infinity * inertial * inertial) / (I_0 + inertial)
 
 
-@njit(cache=True)
+@kernel_jit()
 def mu_regularised(inertial, material):
     """Partially regularised mu(I): sqrt(alpha / ln(A/I)) below I_1, the upper branch above."""
     if inertial <= 0.0:
@@ -158,7 +157,7 @@ def mu_regularised(inertial, material):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def viscosity_mu_I(shear_rate, pressure, material):
     """`effective_viscosity` of the law mu_I, without branches."""
     p = max(pressure, NO_PRESSURE)
@@ -170,7 +169,7 @@ def viscosity_mu_I(shear_rate, pressure, material):
     return max(friction + (material.mu_2 - material.mu_1) * p / (shear_rate + faster), ETA_FLOOR)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel_jit(error_model="numpy")
 def effective_viscosity(shear_rate, pressure, material):
     """Eta = tau / shear_rate in Pa s.
 
@@ -209,7 +208,7 @@ def effective_viscosity(shear_rate, pressure, material):
     return max(eta, ETA_FLOOR)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def effective_viscosities(eta, rate, pressure, material):
     """`effective_viscosity` at many points: eta, rate, pressure (n,). The arrays must not overlap."""
     if material.law == MU_I:  # its own loop, which the compiler turns into vector instructions
@@ -220,7 +219,7 @@ def effective_viscosities(eta, rate, pressure, material):
             eta[n] = effective_viscosity(rate[n], pressure[n], material)
 
 
-@njit(cache=True)
+@inner_jit()
 def shear_rate_at_stress(stress, pressure, upper, material):
     """Shear rate in [0, upper] at which eta * shear_rate = stress, 1/s.
 

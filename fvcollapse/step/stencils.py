@@ -1,11 +1,11 @@
 """Upwind reconstructions, shared by the advection of the level set and of the momentum."""
 
-from numba import njit
+from .compiled import inner_jit
 
 SMOOTH = 0.1
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def upwind_weno3(behind, here, ahead):
     """Third-order WENO value at the side towards `ahead` of the cell whose mean is `here`; Jiang & Shu (1996).
 
@@ -19,7 +19,7 @@ def upwind_weno3(behind, here, ahead):
     return here + 0.5 * (weight * back + (1.0 - weight) * front)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def derivative_weno5(v1, v2, v3, v4, v5):
     """Fifth-order WENO combination of five divided differences, upwind first; Jiang & Peng (2000)."""
     s1 = 13.0 / 12.0 * (v1 - 2.0 * v2 + v3) ** 2 + 0.25 * (v1 - 4.0 * v2 + 3.0 * v3) ** 2
@@ -33,14 +33,14 @@ def derivative_weno5(v1, v2, v3, v4, v5):
     return (a1 * p1 + a2 * p2 + a3 * p3) / (a1 + a2 + a3)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_jit(error_model="numpy")
 def minmod(a, b):
     """The smaller of two slopes, zero if they differ in sign; without branches, which no processor foresees."""
     smaller = a if abs(a) < abs(b) else b
     return smaller if a * b > 0.0 else 0.0
 
 
-@njit(cache=True)
+@inner_jit()
 def cubic(a, b, c, d, t):
     """Catmull-Rom interpolation a share t of the way from b to c, of equally spaced values a, b, c, d."""
     slope = 0.5 * (c - a)

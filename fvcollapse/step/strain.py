@@ -7,12 +7,11 @@ is taken, since the mean of g itself cannot see a checkerboard of shear.
 
 import math
 
-from numba import njit
-
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 
 
-@njit(cache=True)
+@kernel_jit()
 def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     """Fill e at wet cells and g at interior and bed nodes; zero elsewhere. 1/s.
 
@@ -40,20 +39,20 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
                 g_node[i, k] = (u[i, k] - u[i, k - 1]) * per_z + (w[i, k] - w[i - 1, k]) * per_x
 
 
-@njit(cache=True)
+@inner_jit()
 def mean_square(a, b, c, d):
     """Mean of the squares of those of the four values that exist; an exact zero stands for none."""
     count = (a != 0.0) + (b != 0.0) + (c != 0.0) + (d != 0.0)
     return (a * a + b * b + c * c + d * d) / max(count, 1)
 
 
-@njit(cache=True)
+@inner_jit()
 def shear_rate_from(stretch, shear):
     """sqrt(4 e^2 + g^2) from the two squares (1/s2), 1/s."""
     return math.sqrt(stretch + shear)
 
 
-@njit(cache=True)
+@inner_jit()
 def shear_rate_centre(e_centre, g_node, i, k):
     """sqrt(4 e^2 + mean of g^2) at cell (i, k), 1/s."""
     g2 = mean_square(g_node[i, k], g_node[i + 1, k], g_node[i, k + 1], g_node[i + 1, k + 1])

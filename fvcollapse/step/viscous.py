@@ -7,14 +7,14 @@ Everything is per unit volume: Pa/m per m/s.
 """
 
 import numpy as np
-from numba import njit
 
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .rheology import effective_viscosities
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
-@njit(cache=True)
+@inner_jit()
 def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
@@ -47,7 +47,7 @@ def viscosity_weights(
                 n += 1
 
 
-@njit(cache=True)
+@inner_jit()
 def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry):
     """Filled fraction, shear rate and pressure of the wet cells; return their number."""
     n = 0
@@ -63,7 +63,7 @@ def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, g
     return n
 
 
-@njit(cache=True)
+@inner_jit()
 def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry):
     """The same of the interior nodes, from place n on: means of the four cells around each."""
     filled, interior = geometry.filled, geometry.interior
@@ -81,20 +81,20 @@ def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, 
     return n
 
 
-@njit(cache=True)
+@inner_jit()
 def _mean_of_cells(field, i, k):
     """Mean of the four cells around node (i, k)."""
     return 0.25 * (field[i - 1, k - 1] + field[i, k - 1] + field[i - 1, k] + field[i, k])
 
 
-@njit(cache=True)
+@inner_jit()
 def add_own(flat, width, a, value):
     """Add value to the diagonal of the unknown a, where it exists, in the flat band."""
     if a >= 0:
         flat[a * width] += value
 
 
-@njit(cache=True)
+@inner_jit()
 def add_pair(flat, width, a, b, value):
     """Add value at the places (a, b) and (b, a) of the matrix, where both unknowns exist.
 
@@ -104,7 +104,7 @@ def add_pair(flat, width, a, b, value):
         flat[min(a, b) * width + abs(a - b)] += value if a != b else 2.0 * value
 
 
-@njit(cache=True)
+@kernel_jit()
 def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
     """Add the blocks of the cells: viscous, and penalty * div^T div where `constrained` (augmented Lagrangian).
 
@@ -137,7 +137,7 @@ def add_cells(band, weight_centre, constrained, penalty, geometry, dx, dz):
             add_pair(flat, width, b, high, crossed * a_r)
 
 
-@njit(cache=True)
+@kernel_jit()
 def add_nodes(band, weight_node, geometry, dx, dz):
     """Add the viscous blocks of the interior nodes, the squares of du/dz + dw/dx."""
     xx, zz, xz = 1.0 / (dx * dx), 1.0 / (dz * dz), 1.0 / (dx * dz)
@@ -160,7 +160,7 @@ def add_nodes(band, weight_node, geometry, dx, dz):
                 add_pair(flat, width, high, b, g * xz)
 
 
-@njit(cache=True)
+@kernel_jit()
 def divergence(u, w, aperture, i, k, dx, dz):
     """Div u of cell (i, k) through the open part of its faces, 1/s."""
     return (aperture[i + 1, k] * u[i + 1, k] - aperture[i, k] * u[i, k]) / dx + (

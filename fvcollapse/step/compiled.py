@@ -1,0 +1,56 @@
+"""The decorators of the kernels: exact arithmetic, compiled once and then read from the disk.
+
+Beside a function itself Numba compiles two entries to it, one for Python and one for C, which take
+longer than the function where arguments are tuples of many arrays. None of ours is called from C;
+most are called by other kernels only.
+"""
+
+from functools import partial
+
+from numba import njit
+from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
+
+
+class KernelCache(FunctionCache):
+    """Reads compiled kernels without the tables of the compiler, half a second to import; a miss loads them."""
+
+    def load_overload(self, sig, target_context):
+        """The kernel for these argument types, or None."""
+        rtsys.initialize(target_context)  # what the kernels allocate memory with
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
+def kernel_jit(**options):
+    """Decorator of a kernel that Python may call."""
+
+    def compiled(function):
+        kernel = njit(no_cfunc_wrapper=True, **options)(function)
+        if hasattr(kernel, "_cache"):  # not where Numba is switched off
+            kernel._cache = KernelCache(function)  # as does `cache=True`
+        return kernel
+
+    return compiled
+
+
+def inner_jit(**options):
+    """Decorator of a kernel that only kernels call: it has no entry for Python, where a call is a TypeError."""
+
+    def compiled(function):
+        kernel = kernel_jit(no_cpython_wrapper=True, **options)(function)
+        if hasattr(kernel, "_cache"):
+            kernel.add_overload = partial(_keep, kernel.overloads)
+            kernel._compile_for_args = partial(_refuse, function.__name__)
+        return kernel
+
+    return compiled
+
+
+def _keep(overloads, made):
+    """Keep what was compiled; offered to Python as well, as Numba does, a call would end the process."""
+    overloads[tuple(made.signature.args)] = made
+
+
+def _refuse(name, *arguments, **keywords):
+    raise TypeError(f"{name} is called by kernels only; from Python use its py_func")
