@@ -414,6 +414,20 @@ def _add(vector, n, value):
 
 
 @njit(cache=True)
+def slide_along(bed_slip, solution, u, geometry):
+    """What a sweep changes in the velocity of a face that slides on the bed is slip, not shear of the grains.
+
+    Without this the next sweep takes it for shear. Grains that dilate would answer with a source, that with
+    a change of the pressure and of the friction on the bed, and the sweeps would never settle: a dense
+    block on a slope gained 20 % too much speed.
+    """
+    for i in range(bed_slip.size):
+        n = geometry.index_u[i, 0]
+        if n >= 0 and bed_slip[i] != 0.0:
+            bed_slip[i] += solution[n] - u[i, 0]
+
+
+@njit(cache=True)
 def bed_force(work, u, geometry):
     """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
     total = 0.0
@@ -457,7 +471,8 @@ def solve(
     answered = work.response
     answered.source[:] = 0.0
     answered.penalty[:] = balance.penalty
-    if balance.response.dilatancy.factor > 0.0:  # the source says which cells are being compressed
+    dilating = balance.response.dilatancy.factor > 0.0
+    if dilating:  # the source says which cells are being compressed
         strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
         relax_late(answered, 0)
         answer(work, pressure_filled, geometry, material, balance, dx, dz)
@@ -491,6 +506,8 @@ def solve(
         if info != 0:
             break
         solve_factorised(rhs, band, ends)
+        if dilating:
+            slide_along(bed_slip, rhs, u, geometry)
         change, largest = take_solution(u, w, rhs, geometry)
         div_max = update_multiplier(
             pressure_filled,
