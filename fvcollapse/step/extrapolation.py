@@ -119,14 +119,21 @@ def _mean_of_known(field, known, i, k):
 
 
 @njit(cache=True)
+def _is_film(geometry, i):
+    """Whether what lies on the bed at x-face i fills hardly any of its cell, and goes on for two faces behind."""
+    behind = min(geometry.mass_x[i - 1, 0], geometry.mass_x[i - 2, 0])
+    return geometry.mass_x[i].sum() < TRUSTED_U and behind >= TRUSTED_FILM
+
+
+@njit(cache=True)
 def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it
     instead of being stretched further. Not so a thin place with thicker flow ahead: continued from
-    both sides, its velocity would feed on itself. There a film that fills hardly any of its cell
-    keeps its own velocity too: what gravity and bed make of it. Continued from the flow ahead into
-    which it runs, it fed that flow with speed (up to 200 m/s, at the tail of a mass that slides
+    both sides, its velocity would feed on itself. There a film (`_is_film`; not the tip of a mass that
+    spreads backwards) keeps its own velocity too: what gravity and bed make of it. Continued from the
+    flow ahead into which it runs, it fed that flow with speed (up to 200 m/s, at the tail of a mass that slides
     away on a slippery bed); out of reach of the continuation it stood still on any slope.
     """
     nx, nz = geometry.filled.shape
@@ -135,7 +142,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
         thick -= 1
     for i in range(nx + 1):
         film = i > thick + 1
-        left_behind = i < thick and geometry.mass_x[i].sum() < TRUSTED_U
+        left_behind = 1 < i < thick and _is_film(geometry, i)
         for k in range(nz):
             solid = i == 0 or geometry.aperture[i, k] == 0.0
             least = TRUSTED_FILM if left_behind and k == 0 else TRUSTED_U
