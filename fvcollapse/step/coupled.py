@@ -426,6 +426,24 @@ def _add(vector, n, value):
 
 
 @inner_jit()
+def slide_along(response, bed_slip, solution, u, geometry):
+    """What a sweep changes in the velocity of a face that slides on the bed is slip, not shear of the grains.
+
+    Without this the next sweep takes it for shear. Grains that dilate would answer with a source, that with
+    a change of the pressure and of the friction on the bed, and the sweeps would never settle: a dense
+    block on a slope gained 20 % too much speed.
+    """
+    if response is None:
+        return
+    if response.dilatancy.factor <= 0.0:
+        return
+    for i in range(bed_slip.size):
+        n = geometry.index_u[i, 0]
+        if n >= 0 and bed_slip[i] != 0.0:
+            bed_slip[i] += solution[n] - u[i, 0]
+
+
+@inner_jit()
 def bed_force(work, u, geometry):
     """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
     total = 0.0
@@ -512,6 +530,7 @@ def solve(
         if info != 0:
             break
         solve_factorised(rhs, band, ends)
+        slide_along(balance.response, bed_slip, rhs, u, geometry)
         change, largest = take_solution(u, w, rhs, geometry)
         div_max = update_multiplier(
             pressure_filled,

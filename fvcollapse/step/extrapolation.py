@@ -12,6 +12,9 @@ TRUSTED_U = 0.05  # part of a full face mass below which u is continued from beh
 TRUSTED_W = (
     1.0e-4  # the same for w, where div u = 0 determines it; not beside cells that are free to open
 )
+TRUSTED_FILM = (
+    1.0e-4  # the same for u of a film on the bed behind the front: inertia and weight are its own
+)
 SOLENOIDAL_LAYERS = (
     2  # empty cells beyond the surface in which the continued velocity is made divergence-free
 )
@@ -121,13 +124,23 @@ def _mean_of_known(field, marks, i, k):
     return total / count
 
 
+@inner_jit()
+def _is_film(geometry, i):
+    """Whether what lies on the bed at x-face i fills hardly any of its cell, and goes on for two faces behind."""
+    behind = min(geometry.mass_x[i - 1, 0], geometry.mass_x[i - 2, 0])
+    return total(geometry.mass_x[i]) < TRUSTED_U and behind >= TRUSTED_FILM
+
+
 @kernel_jit()
 def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it
     instead of being stretched further. Not so a thin place with thicker flow ahead: continued from
-    both sides, its velocity would feed on itself.
+    both sides, its velocity would feed on itself. There a film (`_is_film`; not the tip of a mass that
+    spreads backwards) keeps its own velocity too: what gravity and bed make of it. Continued from the
+    flow ahead into which it runs, it fed that flow with speed (up to 200 m/s, at the tail of a mass that slides
+    away on a slippery bed); out of reach of the continuation it stood still on any slope.
     """
     nx, nz = geometry.filled.shape
     thick = nx
@@ -135,9 +148,12 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
         thick -= 1
     for i in range(nx + 1):
         film = i > thick + 1
+        left_behind = 1 < i < thick and _is_film(geometry, i)
         for k in range(nz):
             solid = i == 0 or geometry.aperture[i, k] == 0.0
-            wet = geometry.index_u[i, k] >= 0 and geometry.mass_x[i, k] >= TRUSTED_U
+            least = TRUSTED_FILM if left_behind and k == 0 else TRUSTED_U
+            enough = geometry.mass_x[i, k] >= least
+            wet = geometry.index_u[i, k] >= 0 and enough
             known_u[i, k] = 1 if solid or (wet and not film) else 0
         if i > 0:
             for k in range(nz + 1):
