@@ -15,7 +15,7 @@ from .case import GRAVITY
 from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
-from .state import grow
+from .state import crop, grow
 from .step import coupled, level_set, quantities
 from .step.arrays import largest
 from .step.balance import balance_of
@@ -46,6 +46,7 @@ RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less
 CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
 HALVINGS = 5
 GROWTH = 16
+SPARE = 4  # rows in excess of the margin before they go: memory that no cache holds is what a step waits for
 
 
 class StepRecord(NamedTuple):
@@ -133,7 +134,7 @@ class Simulation:
             If the solve fails or stays above the error limit after five halvings of the step; the
             state is then the last good one.
         """
-        self._make_room()
+        self._fit_grid()
         start = self.state  # each step changes a copy of it
         try:
             return self._advance(start, time_limit)
@@ -474,9 +475,19 @@ class Simulation:
             for field in fields:
                 repeat_columns(field, self.geometry.first, self.geometry.last)
 
-    def _make_room(self):
+    def _fit_grid(self):
+        """Rows and columns for what the grains will reach; rows that they have left long ago go."""
         if self.halo:
             return
+        rows = self.geometry.reach.max() + MARGIN
+        if self.grid.nz > rows + SPARE and not self.gate_is_moving():
+            self.state = self.state.copy()
+            crop(self.state, int(rows))
+            self._allocate()
+            self._place(self.state.time)
+        self._make_room()
+
+    def _make_room(self):
         filled = self.geometry.filled
         nx, nz = filled.shape
         extra_x = extra_z = 0

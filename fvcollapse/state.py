@@ -100,6 +100,19 @@ def location_shape(location, nx, nz):
     }[location]
 
 
+def _shape_of(state, name, nx, nz):
+    location = EFFECT_FIELDS[name][1] if name in EFFECT_FIELDS else FIELDS[name][0]
+    return location_shape(location, nx, nz)
+
+
+def crop(state, rows):
+    """Keep the lowest `rows` rows of every field."""
+    nx = state.pressure_filled.shape[0]
+    for name in [*FIELDS, *state.effect_fields()]:
+        kept = tuple(slice(n) for n in _shape_of(state, name, nx, rows))
+        setattr(state, name, getattr(state, name)[kept].copy())
+
+
 def grow(state, extra_x, extra_z):
     """Enlarge every field by `extra_x` columns at the far end and `extra_z` rows at the top.
 
@@ -107,9 +120,8 @@ def grow(state, extra_x, extra_z):
     """
     nx, nz = state.pressure_filled.shape
     for name in [*FIELDS, *state.effect_fields()]:
-        location = EFFECT_FIELDS[name][1] if name in EFFECT_FIELDS else FIELDS[name][0]
         old = getattr(state, name)
-        new = np.zeros(location_shape(location, nx + extra_x, nz + extra_z))
+        new = np.zeros(_shape_of(state, name, nx + extra_x, nz + extra_z))
         new[tuple(slice(n) for n in old.shape)] = old
         setattr(state, name, new)
     phi = state.level_set
