@@ -46,6 +46,7 @@ KEPT = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_KEPT = 0.05  # and from which "none" is not given up
 TEMPERATURE = 10.0  # without a model
 CAP = 0.9  # largest probability without a model
+CHECK_FAILS = 0.05  # p-value of the predictive check below which a hypothesis fails it
 CLEAR = 10.0  # odds against none from which a name is told although the check is passed
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 # L2 penalties, for each case: of what effects share (and none, unknown and two effects have of their own), of
@@ -540,13 +541,18 @@ def tempered(evidence, separability):
     """The verdict without a model.
 
     A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
-    The prior is that of the classes, as in a model.
+    The prior is that of the classes, as in a model. Two effects together count if the best single one fails
+    its check: nothing has taught here how much a second effect adds by chance.
     """
-    names = tuple(evidence.hypotheses)
+    found = evidence.hypotheses
+    single = [name for name in found if name not in (NONE, UNKNOWN) and "+" not in name]
+    best = max(single, key=lambda name: found[name].log_evidence, default=NONE)
+    fails = found[best].p_value < CHECK_FAILS
+    names = tuple(name for name in found if fails or "+" not in name)
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
     prior = class_prior(classes)
     pairs = sum("+" in name for name in names)
-    logs = [each.log_evidence / TEMPERATURE for each in evidence.hypotheses.values()]
+    logs = [found[name].log_evidence / TEMPERATURE for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     shares = dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
     probability = in_order(capped(shares, CAP))
@@ -555,7 +561,7 @@ def tempered(evidence, separability):
         if total < 1.0 - KEPT:
             kept.append(name)
             total += share
-    passes = evidence.hypotheses[NONE].p_value >= NONE_KEPT
+    passes = found[NONE].p_value >= NONE_KEPT
     clear = probability[kept[0]] > CLEAR * probability[NONE]
     best = NONE if passes and NONE in kept and not clear else kept[0]
     return finished(best, probability, tuple(kept), {}, separability)
