@@ -532,7 +532,8 @@ def intervals(posterior, u, level=0.9):
         middle = np.cumsum(weights[order]) - 0.5 * weights[order]
         lows = np.interp(below, middle, column[order])
         highs = np.interp(below + level, middle, column[order])
-        around = (lows <= u[axis]) & (u[axis] <= highs)
+        inside = np.clip(u[axis], lows[0], highs[-1])  # u may lie beyond the last node
+        around = (lows <= inside) & (inside <= highs)
         best = np.argmin(np.where(around, highs - lows, np.inf))
-        low[axis], high[axis] = lows[best], highs[best]
+        low[axis], high[axis] = min(lows[best], u[axis]), max(highs[best], u[axis])
     return low, high

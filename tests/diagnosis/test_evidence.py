@@ -283,6 +283,9 @@ def test_an_interval_holds_the_most_probable_value_and_no_less_than_its_share():
     normal = Posterior.of(nodes, -0.5 * ((nodes - 0.5) / 0.1) ** 2, even)
     low, high = intervals(normal, np.array([0.5]))
     assert [low[0], high[0]] == pytest.approx([0.5 - 0.1645, 0.5 + 0.1645], abs=0.002)
+    low, high = intervals(Posterior.of(nodes, nodes / 0.1, even), np.array([0.9999]))
+    assert low[0] == pytest.approx(1.0 - 0.1 * np.log(10.0), abs=0.002)
+    assert high[0] == 0.9999  # beyond the last node
 
 
 def test_intervals_are_those_of_a_tempered_likelihood():
