@@ -4,7 +4,7 @@ Raw evidences are over-confident. A conditional logistic regression, fitted to s
 known (made with other grids, closures and parameters than a diagnosis uses), turns them into probabilities.
 How far a hypothesis is behind the best one counts alike for all effects, up to small differences that
 the cases must pay for: with a slope for every effect on every other one (multinomial, 20 features, 14
-classes) the same cases left out were judged worse (log score 1.29 against 1.17, unknown found 35 against
+classes) the same cases left out were judged worse (log score 1.30 against 1.17, unknown found 35 against
 61 %). What the layer got wrong on cases left out says how strange a case may look (conformal p-values): the
 verdict leaves open all hypotheses that are as probable as nine in ten true causes were, whatever their class
 (class by class the sets held 5.3 names instead of 3.1, since what is too weak to be seen is then open
