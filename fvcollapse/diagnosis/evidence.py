@@ -6,8 +6,11 @@ With gap = simulated - measured, and Delta_k(u) the response to effect k,
     C_k(s, u) = U + s^2 K_delta + Sigma_emulator,k(u).
 
 "none" is Delta = 0 with the same discrepancies s; "unknown" is Delta = 0 with large ones, a discrepancy
-promoted to a hypothesis. Closures of one effect share its prior equally. Two effects together are
-opened if the best single one fails its predictive check.
+promoted to a hypothesis. Closures of one effect share its prior equally. The best single effect is also
+joined with every other one: what the second adds tells whether there are two. (A predictive check that
+fails, as the condition, let 2 of 30 hidden pairs be named: what two effects leave is small beside all
+uncertainties together, but not in the one direction that counts. Two visible effects add 15 to 200 to the
+logarithm of the evidence; where there is one or none, 90 % add less than 3.)
 
 A bound (kind upper or lower) contributes the probability, given all values, that it holds: one that
 is far from being reached contributes nothing.
@@ -21,7 +24,6 @@ Kass & Raftery (1995), J. Am. Stat. Assoc. 90, 773; Kennedy & O'Hagan (2001), J.
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -35,9 +37,14 @@ DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
 UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
 CAUCHY = 0.15  # scale of the half-Cauchy prior of s; the grid is even in log s
 PAIR_ODDS = 0.1
-PAIRS_OF_BEST = 4  # pairs are formed of these only
-CHECK_FAILS = 0.05  # p-value of the predictive check below which a hypothesis fails it
 WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
+# of the likelihood in the intervals of parameters. Responses come from one grid and from the material as it is
+# believed: at the hidden parameters of training cases the residual along the response is 2 to 10 standard
+# deviations, where nothing acts 1.0 to 1.5. Untempered, intervals of 90 % hold 59 % of 386 hidden parameters,
+# tempered by 8 86 %, by 16 90 %, by 32 92 %. Set there, 16 gives 91 % of 117 of the blind suite, 65 % untempered.
+# (Errors of the responses in proportion to them, or a discrepancy three times as large, narrowed less of this:
+# log density of the truth -1.4 and -2.3, tempered by 16 +0.7.)
+TEMPERATURE = 16.0
 NODES = {1: 128}  # of the quadrature; in more dimensions:
 NODES_SOBOL = 1024
 LEAST_SHARE = 0.2  # effective part of the nodes below which they are drawn together
@@ -63,7 +70,7 @@ class Hypothesis(NamedTuple):
         Most probable closure of each effect; empty for none and unknown.
     u, low, high : (d,) arrays
         Most probable quantiles of the parameters (of a pair: of both), and the ends of their intervals
-        of 90 %.
+        of 90 %, with the likelihood tempered by `TEMPERATURE`.
     p_value : float
         Chi-square of the residual at u and sigma, of all points.
     p_by_run, p_by_phase : dict
@@ -193,8 +200,8 @@ class Comparison:
         sigmas = (*DISCREPANCIES, *UNKNOWN_DISCREPANCIES)
         self.whitened = {sigma: Whitened(self, sigma) for sigma in sigmas}
 
-    def evidence(self, gap):
-        """The `Evidence` of a gap (N,)."""
+    def evidence(self, gap, pairs=True):
+        """The `Evidence` of a gap (N,); `pairs`: also of two effects together."""
         seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
         found = [
             self.without_effect(gap, seen, "none", DISCREPANCIES),
@@ -202,14 +209,11 @@ class Comparison:
         ]
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
         single.sort(key=lambda each: -each.log_evidence)
-        if len(single) > 1 and single[0].p_value < CHECK_FAILS:
-            for pair in combinations(sorted(each.name for each in single[:PAIRS_OF_BEST]), 2):
-                chosen = [self.closures[name] for name in pair]
-                variants = [next(e for e in single if e.name == name).variant[0] for name in pair]
-                both = joined(*(own[v] for own, v in zip(chosen, variants, strict=True)))
-                found.append(
-                    self.with_effect(gap, seen, "+".join(pair), [both], float(np.log(PAIR_ODDS)))
-                )
+        for other in single[1:] if pairs else ():
+            pair = sorted((single[0], other), key=lambda each: each.name)
+            both = joined(*(self.closures[each.name][each.variant[0]] for each in pair))
+            name = "+".join(each.name for each in pair)
+            found.append(self.with_effect(gap, seen, name, [both], float(np.log(PAIR_ODDS))))
         found += single
         found.sort(key=lambda each: -(each.log_evidence + each.log_prior))
         return Evidence({each.name: each for each in found})
@@ -237,7 +241,7 @@ class Comparison:
             np.argmax(posterior.log_likelihood), posterior.log_likelihood.shape
         )
         u, sigma = posterior.nodes[row], float(DISCREPANCIES[column])
-        low, high = intervals(posterior, u)
+        low, high = intervals(integrate(seen, closure, (0.0, 1.0), TEMPERATURE), u)
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)
         share = np.log(len(closures))
@@ -429,8 +433,10 @@ def sigma_weights(sigmas):
     return np.log(weights / weights.sum())
 
 
-def integrate(seen, closure, limits):
+def integrate(seen, closure, limits, temperature=1.0):
     """The `Posterior` of a closure whose prior is uniform between the same limits in all dimensions.
+
+    The likelihood is raised to the power 1 / temperature.
 
     Quasi-random nodes (midpoints in one dimension) are drawn together where the likelihood is, until
     enough of them count: within a smaller box, and where that does not help, since only a combination of
@@ -442,7 +448,7 @@ def integrate(seen, closure, limits):
     for _ in range(ROUNDS):
         nodes = low + unit * (high - low)
         found = Posterior.of(
-            nodes, likelihood(seen, closure, nodes), np.full(len(nodes), log_share)
+            nodes, likelihood(seen, closure, nodes, temperature), np.full(len(nodes), log_share)
         )
         if found.effective() >= LEAST_SHARE * len(nodes):
             return found
@@ -456,10 +462,10 @@ def integrate(seen, closure, limits):
             break
         log_share += shrunk
         low, high = new_low, new_high
-    return found if d == 1 else along_ridge(seen, closure, limits, found)
+    return found if d == 1 else along_ridge(seen, closure, limits, found, temperature)
 
 
-def along_ridge(seen, closure, limits, found):
+def along_ridge(seen, closure, limits, found, temperature):
     """The `Posterior` by importance sampling: nodes of a t distribution that is fitted to the last nodes.
 
     One node in ten is spread over the whole prior, so that no weight is large without reason.
@@ -478,7 +484,7 @@ def along_ridge(seen, closure, limits, found):
         fitted = multivariate_t.logpdf(nodes, centre, covariance, RIDGE_TAILS)
         density = np.logaddexp(np.log(0.9) + fitted, np.log(0.1) + log_prior)
         log_likelihood = np.full((len(nodes), len(DISCREPANCIES)), -np.inf)
-        log_likelihood[inside] = likelihood(seen, closure, nodes[inside])
+        log_likelihood[inside] = likelihood(seen, closure, nodes[inside], temperature)
         found = Posterior.of(nodes, log_likelihood, log_prior - density)
         if found.effective() >= LEAST_SHARE * len(nodes):
             break
@@ -500,11 +506,11 @@ def tempered_moments(found, count):
     return centre, covariance + 1.0e-10 * np.eye(len(centre))
 
 
-def likelihood(seen, closure, nodes):
-    """Log-likelihood x weight of s, (q, number of s)."""
+def likelihood(seen, closure, nodes, temperature=1.0):
+    """Log-likelihood / temperature, x weight of s, (q, number of s)."""
     weights, variance = level_weights(closure, nodes)
     parts = [seen[s].log_likelihood_with(closure, weights, variance) for s in DISCREPANCIES]
-    return np.column_stack(parts) + sigma_weights(DISCREPANCIES)
+    return np.column_stack(parts) / temperature + sigma_weights(DISCREPANCIES)
 
 
 def unit_nodes(d):
@@ -528,7 +534,8 @@ def intervals(posterior, u, level=0.9):
         middle = np.cumsum(weights[order]) - 0.5 * weights[order]
         lows = np.interp(below, middle, column[order])
         highs = np.interp(below + level, middle, column[order])
-        around = (lows <= u[axis]) & (u[axis] <= highs)
+        inside = np.clip(u[axis], lows[0], highs[-1])  # u may lie beyond the last node
+        around = (lows <= inside) & (inside <= highs)
         best = np.argmin(np.where(around, highs - lows, np.inf))
-        low[axis], high[axis] = lows[best], highs[best]
+        low[axis], high[axis] = min(lows[best], u[axis]), max(highs[best], u[axis])
     return low, high

@@ -264,16 +264,20 @@ def strength_spread(analysis, name):
     hypothesis = analysis.evidence.hypotheses.get(name)
     if hypothesis is None or not len(hypothesis.u):
         return 0.0
-    sides, first = [np.zeros(len(analysis.points)) for _ in range(2)], 0
+    changes, first = [], 0
     for effect, variant in zip(effects_of(name), hypothesis.variant, strict=True):
         response = analysis.responses[effect][variant]
-        own = slice(first, first + response.dimension)
+        for axis in range(
+            response.dimension
+        ):  # one parameter after the other, the others at their best
+            ends = np.tile(hypothesis.u[first : first + response.dimension], (2, 1))
+            ends[:, axis] = hypothesis.low[first + axis], hypothesis.high[first + axis]
+            low, high = response.at(ends)
+            changes.append(high - low)
         first += response.dimension
-        sides[0] = sides[0] + response.at(hypothesis.low[own])
-        sides[1] = sides[1] + response.at(hypothesis.high[own])
-    white = whitened(np.array([*sides, hypothesis.difference]), analysis.covariance)
-    size = np.linalg.norm(white[2])
-    return min(1.0, float(np.linalg.norm(white[1] - white[0]) / (3.29 * size))) if size else 0.0
+    white = whitened(np.array([*changes, hypothesis.difference]), analysis.covariance)
+    size = np.linalg.norm(white[-1])
+    return min(1.0, float(np.linalg.norm(white[:-1]) / (3.29 * size))) if size else 0.0
 
 
 def with_readings(experiment, observables, observed, end):

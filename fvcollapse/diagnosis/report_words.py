@@ -12,6 +12,7 @@ from fvcollapse.diagnosis.report import (
     WINNER,
 )
 
+LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
 OBSERVABLES = {
     "front": "front position",
@@ -74,14 +75,23 @@ def after_model(report):
 
 
 def ranking(report):
-    """(hypothesis, probability), the most probable first, of equal ones that with more evidence."""
+    """(hypothesis, probability), the most probable first, of equal ones that with more evidence.
+
+    Of two effects together only the best pair is shown, and others of some probability.
+    """
 
     def rank(item):
         stated = report.details.hypotheses.get(item[0])
         known = stated is not None and stated.log_evidence is not None
         return -item[1], -stated.log_evidence if known else 0.0
 
-    return sorted(report.verdict.probability.items(), key=rank)
+    ranked = sorted(report.verdict.probability.items(), key=rank)
+    first = next((name for name, _ in ranked if "+" in name), None)
+    return [
+        (name, chance)
+        for name, chance in ranked
+        if "+" not in name or name == first or chance >= LEAST_PAIR
+    ]
 
 
 # -- numbers -------------------------------------------------------------------------------------

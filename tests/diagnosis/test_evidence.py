@@ -179,7 +179,7 @@ def test_a_smooth_gap_of_another_shape_is_unknown():
     assert found >= 18
 
 
-def test_two_effects_open_the_pairs():
+def test_the_best_effect_is_joined_with_every_other_one():
     points, covariance, kernel = setting()
     effects = responses(points, 0.15)
     noise = np.linalg.cholesky(covariance) @ np.random.default_rng(8).standard_normal(len(points))
@@ -191,8 +191,13 @@ def test_two_effects_open_the_pairs():
     np.testing.assert_allclose(best.u, [0.8, 0.6], atol=0.25)
     assert (best.low <= [0.8, 0.6]).all()
     assert (best.high >= [0.8, 0.6]).all()
-    single = compare(-effects["arms"].at(np.array([0.8])) + noise, covariance, kernel, effects)
-    assert not [name for name in single.hypotheses if "+" in name]
+    gap = noise - effects["arms"].at(np.array([0.8]))
+    single = compare(gap, covariance, kernel, effects, points)
+    pairs = {name: each for name, each in single.hypotheses.items() if "+" in name}
+    assert len(pairs) == len(SHAPES) - 1
+    assert all("arms" in name.split("+") for name in pairs)
+    assert single.best.name == "arms"
+    assert max(each.log_evidence for each in pairs.values()) < single.best.log_evidence + 3.0
 
 
 def test_closures_share_the_prior_of_their_effect():
@@ -278,11 +283,28 @@ def test_an_interval_holds_the_most_probable_value_and_no_less_than_its_share():
     normal = Posterior.of(nodes, -0.5 * ((nodes - 0.5) / 0.1) ** 2, even)
     low, high = intervals(normal, np.array([0.5]))
     assert [low[0], high[0]] == pytest.approx([0.5 - 0.1645, 0.5 + 0.1645], abs=0.002)
+    low, high = intervals(Posterior.of(nodes, nodes / 0.1, even), np.array([0.9999]))
+    assert low[0] == pytest.approx(1.0 - 0.1 * np.log(10.0), abs=0.002)
+    assert high[0] == 0.9999  # beyond the last node
 
 
-def ridge(seen, closure, nodes):
+def test_intervals_are_those_of_a_tempered_likelihood():
+    points, covariance, kernel = setting()
+    response = responses(points, 0.3)["arms"]
+    gap = -response.at(np.array([0.5]))
+    comparison = evidence.Comparison(covariance, kernel, {"arms": response}, points)
+    one = comparison.evidence(gap).hypotheses["arms"]
+    seen = {sigma: each.see(gap) for sigma, each in comparison.whitened.items()}
+    (closure,) = comparison.closures["arms"]
+    plain = intervals(evidence.integrate(seen, closure, (0.0, 1.0)), one.u)
+    width = one.high[0] - one.low[0]
+    assert 2.0 * (plain[1][0] - plain[0][0]) < width < 0.9
+    assert one.low[0] < 0.5 < one.high[0]
+
+
+def ridge(seen, closure, nodes, temperature):
     """A likelihood that knows the sum of three quantiles to 1e-4, and nothing else."""
-    logs = -0.5 * ((nodes.sum(axis=1) - 1.5) / 1.0e-4) ** 2
+    logs = -0.5 * ((nodes.sum(axis=1) - 1.5) / 1.0e-4) ** 2 / temperature
     return np.column_stack([logs] + [np.full(len(nodes), -np.inf)] * (len(DISCREPANCIES) - 1))
 
 

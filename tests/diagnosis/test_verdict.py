@@ -9,6 +9,7 @@ from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import (
     CAP,
+    CASE_FEATURES,
     NONE,
     NONE_KEPT,
     SEVERAL,
@@ -148,14 +149,38 @@ def test_a_case_like_none_of_the_suite_is_unknown(model):
 
 
 def test_features_by_hand():
-    logs = {"arms": -1.0, "bars": 0.0, NONE: -3.0, UNKNOWN: -8.0, "arms+bars": 4.0}
-    found = features(evidence_of(logs, {NONE: 1e-20, "arms+bars": 0.01}), EFFECTS)
-    assert found["bars"] == 0.0
-    assert found["arms"] == pytest.approx(np.log(2.0))
-    assert found[NONE] == pytest.approx(np.log(4.0))
-    assert found["cups"] == found[NONE]  # it was not compared
+    logs = {"arms": -1.0, "bars": 0.0, NONE: -3.0, UNKNOWN: -80.0, "arms+bars": 4.0}
+    classes = (*EFFECTS, NONE, UNKNOWN, SEVERAL)
+    own, case = features(evidence_of(logs, {NONE: 1e-20, "arms+bars": 0.01}, outside=0.5), classes)
+    behind = [1.0, 0.0, np.nan, np.nan, 3.0, 80.0, -4.0]  # two were not compared
+    np.testing.assert_allclose(own[:, 0], np.sign(behind) * np.log1p(np.abs(behind)))
+    np.testing.assert_allclose(own[:, 1], np.clip(behind, -20.0, 20.0))
+    np.testing.assert_allclose(own[0, 2:], np.log([0.2, 0.5]))
+    found = dict(zip(CASE_FEATURES, case, strict=True))
     assert found["pair_gain"] == pytest.approx(np.log(5.0))
+    assert found["above_none"] == pytest.approx(np.log(4.0))
+    assert found["above_unknown"] == pytest.approx(np.log(81.0))
+    assert found["best_outside"] == pytest.approx(np.log(0.5))
     assert found["runs"] == 2.0
+
+
+def test_a_case_whose_cause_was_not_compared_teaches_nothing():
+    cases = suite(12, 5)
+    logs = {"arms": 0.0, "bars": -1.0, NONE: -70.0, UNKNOWN: -30.0}
+    whole, rest = (fit(cases + more, EFFECTS) for more in ([(evidence_of(logs), "dots")], []))
+    assert max(whole.calibration["dots"]) == 1.0
+    found = [verdict(cases[0][0], each).probability for each in (whole, rest)]
+    assert found[0] == pytest.approx(found[1], abs=0.02)  # but for the means of the features
+
+
+def test_the_p_value_of_none_is_that_of_its_cases_and_of_others_that_of_all(model):
+    probability = {"arms": 0.4, NONE: 0.4}
+    found = model.conformal(probability)
+    own = model.calibration[NONE]
+    assert found[NONE] == pytest.approx((1 + np.sum(own >= 0.6)) / (len(own) + 1))
+    prior = class_prior(model.classes)
+    share = sum(prior[name] * np.mean(each >= 0.6) for name, each in model.calibration.items())
+    assert found["arms"] == pytest.approx(share, abs=0.01)
 
 
 def test_the_file_is_the_model(model, tmp_path):
