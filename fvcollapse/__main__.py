@@ -232,6 +232,7 @@ def add_bench(commands):
     parser.add_argument(
         "--effects", action="store_true", help="the cost of each effect instead; names are effects"
     )
+    parser.add_argument("--end", metavar="SECONDS", type=float, help="cut the collapses short")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=bench)
@@ -242,7 +243,9 @@ def bench(arguments):
     refuse_bad_target(arguments.json)
     from fvcollapse.bench import run_bench, table
 
-    report = run_bench(arguments.names, arguments.json, arguments.quiet, arguments.effects)
+    report = run_bench(
+        arguments.names, arguments.json, arguments.quiet, arguments.effects, arguments.end
+    )
     print(table(report))
     return 0
 

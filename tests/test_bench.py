@@ -50,6 +50,8 @@ def test_unknown_case_is_refused():
         bench.run_bench(["22deg"])
     with pytest.raises(InputError, match="erodible_bed"):
         bench.run_bench(["22deg_w10cm_6mm"], effects=True)
+    with pytest.raises(InputError, match="--end"):
+        bench.run_bench(end=0.0)
 
 
 def test_effects_are_compared_with_the_case_without(monkeypatch, tmp_path):
