@@ -224,6 +224,7 @@ def figures(timed):
     share["recording and the rest"] = 1.0 - sum(share.values())
     return {
         "cell_size": timed.spacing[1],
+        "end_s": timed.case.time.end,
         "wall_s": wall,
         "steps": timed.steps,
         "sweeps": timed.sweeps,
@@ -431,6 +432,7 @@ def table(report):
     """The report as aligned plain text."""
     names = [
         "case",
+        "to s",
         "loop s",
         "command s",
         "steps",
@@ -446,6 +448,7 @@ def table(report):
         rows.append(
             [
                 row["name"],
+                f"{row['end_s']:g}",
                 f"{row['wall_s']:.2f}",
                 f"{row['command_s']:.2f}",
                 str(row["steps"]),

@@ -14,6 +14,7 @@ import numpy as np
 
 from fvcollapse.case import GRAVITY
 from fvcollapse.observation import seen_front, seen_place, seen_time_origin
+from fvcollapse.step.arrays import larger
 from fvcollapse.step.compiled import kernel_jit
 from fvcollapse.step.erodible_bed import layer_thickness
 
@@ -69,7 +70,7 @@ def survey_motion(filled, u, w, ill_posed):
             if filled[i, k] > 0.0:
                 along, across = 0.5 * (u[i, k] + u[i + 1, k]), 0.5 * (w[i, k] + w[i, k + 1])
                 speed = math.hypot(along, across)
-                largest = max(largest, speed)
+                largest = larger(largest, speed)
                 if speed > SPEED_STATIC:
                     flowing += filled[i, k]
                     part += ill_posed[i, k] * filled[i, k]

@@ -1,12 +1,17 @@
 """Compiled kernels are read from the disk without the compiler, which comes when one is missing."""
 
+import math
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from fvcollapse.step import stencils
+import fvcollapse
+from fvcollapse.step import arrays, stencils
 
 PROGRAM = """
 import sys
@@ -23,10 +28,24 @@ if hits:
 """
 
 
-def run(folder):
+HITS = """
+from fvcollapse.step.geometry import wetted_edge
+wetted_edge(-1.0, 1.0)
+print(sum(wetted_edge.stats.cache_hits.values()))
+"""
+
+
+def run(folder, program=PROGRAM, source=None):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(folder)}
+    if source is not None:
+        environment["PYTHONPATH"] = str(source)
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", program],
+        env=environment,
+        cwd=source,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return done.stdout.splitlines()
 
@@ -42,3 +61,19 @@ def test_a_kernel_without_an_entry_for_python_refuses_it():
     with pytest.raises(TypeError, match="minmod is called by kernels only"):
         inner(1.0, 2.0)
     assert inner.py_func(1.0, 2.0) == 1.0
+
+
+def test_a_kernel_is_made_again_when_another_file_of_the_step_changes(tmp_path):
+    """It may contain kernels of that file."""
+    package = Path(fvcollapse.__file__).parent
+    shutil.copytree(package, tmp_path / package.name)
+    runs = [run(tmp_path / "kernels", HITS, tmp_path) for _ in range(2)]
+    with (tmp_path / package.name / "step" / "stencils.py").open("a") as file:
+        file.write("# changed\n")
+    runs.append(run(tmp_path / "kernels", HITS, tmp_path))
+    assert runs == [["0"], ["1"], ["0"]]
+
+
+@pytest.mark.parametrize("values", [[math.nan, 1.0], [1.0, math.nan], [math.nan, math.nan]])
+def test_the_larger_of_a_number_and_nan_is_nan(values):
+    assert math.isnan(arrays.largest(np.array([values])))

@@ -19,13 +19,19 @@ def scale(target, factor):
             target[i, k] *= factor[i, k]
 
 
+@inner_jit()
+def larger(a, b):
+    """Maximum of a and b; NaN if one of them is, which `max` may drop."""
+    return a if b <= a or a != a else b
+
+
 @kernel_jit()
 def largest(values):
-    """Largest magnitude."""
+    """Largest magnitude; NaN if there is one."""
     most = 0.0
     for i in range(values.shape[0]):
         for k in range(values.shape[1]):
-            most = max(most, abs(values[i, k]))
+            most = larger(most, abs(values[i, k]))
     return most
 
 

@@ -5,15 +5,33 @@ longer than the function where arguments are tuples of many arrays. None of ours
 most are called by other kernels only.
 """
 
-from functools import partial
+from functools import cache, partial
+from hashlib import sha256
+from pathlib import Path
 
-from numba import njit
+from numba import config, njit
 from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
 
 
+@cache
+def source_digest():
+    """Digest of all files of the step: what is compiled into a kernel may stand in any of them."""
+    digest = sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
 class KernelCache(FunctionCache):
-    """Reads compiled kernels without the tables of the compiler, half a second to import; a miss loads them."""
+    """Compiled kernels on the disk, made again when any file of the step has changed.
+
+    Numba itself looks at the file of a kernel only, not at those of the kernels it calls. They are read
+    without the tables of the compiler, which take half a second to import; a miss loads them.
+    """
+
+    def _index_key(self, sig, codegen):
+        return (*super()._index_key(sig, codegen), source_digest())
 
     def load_overload(self, sig, target_context):
         """The kernel for these argument types, or None."""
@@ -27,7 +45,7 @@ def kernel_jit(**options):
 
     def compiled(function):
         kernel = njit(no_cfunc_wrapper=True, **options)(function)
-        if hasattr(kernel, "_cache"):  # not where Numba is switched off
+        if not config.DISABLE_JIT:
             kernel._cache = KernelCache(function)  # as does `cache=True`
         return kernel
 
@@ -39,7 +57,7 @@ def inner_jit(**options):
 
     def compiled(function):
         kernel = kernel_jit(no_cpython_wrapper=True, **options)(function)
-        if hasattr(kernel, "_cache"):
+        if not config.DISABLE_JIT:
             kernel.add_overload = partial(_keep, kernel.overloads)
             kernel._compile_for_args = partial(_refuse, function.__name__)
         return kernel

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import larger
 from .banded import clear, factorise, solve_factorised
 from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import back_wall_friction, bed_friction
@@ -285,12 +286,6 @@ def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, b
     add_source(balance.response, rhs, work.response, work.constrained, geometry, dx, dz)
 
 
-@inner_jit()
-def larger(a, b):
-    """Maximum of a and b; NaN if b is NaN, which `max` would drop."""
-    return a if b <= a else b
-
-
 @kernel_jit()
 def take_solution(u, w, solution, geometry):
     """Write the solution to the faces; return (largest change, largest speed), m/s."""
@@ -440,7 +435,8 @@ def slide_along(response, bed_slip, solution, u, geometry):
     for i in range(bed_slip.size):
         n = geometry.index_u[i, 0]
         if n >= 0 and bed_slip[i] != 0.0:
-            bed_slip[i] += solution[n] - u[i, 0]
+            slip = bed_slip[i] + solution[n] - u[i, 0]
+            bed_slip[i] = min(max(slip, min(solution[n], 0.0)), max(solution[n], 0.0))
 
 
 @inner_jit()

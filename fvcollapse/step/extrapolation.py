@@ -35,7 +35,7 @@ def smooth_continuation(field, known, i, k):
         Number of such lines; 0 if there is none.
     """
     nx, nz = field.shape
-    total = 0.0
+    summed = 0.0
     count = 0
     for di, dk in ((1, 0), (-1, 0), (0, 1), (0, -1)):
         a, b = i + 3 * di, k + 3 * dk
@@ -45,9 +45,9 @@ def smooth_continuation(field, known, i, k):
             first = field[i + di, k + dk]
             slope = first - field[i + 2 * di, k + 2 * dk]
             before = field[i + 2 * di, k + 2 * dk] - field[a, b]
-            total += first + minmod(slope, 2.0 * slope - before)
+            summed += first + minmod(slope, 2.0 * slope - before)
             count += 1
-    return (total / count if count > 0 else 0.0), count
+    return (summed / count if count > 0 else 0.0), count
 
 
 @kernel_jit()
@@ -113,15 +113,15 @@ def _queue_neighbours(front_i, front_k, end, marks, i, k):
 @inner_jit(error_model="numpy")
 def _mean_of_known(field, marks, i, k):
     """Mean of the known neighbours of (i, k), those across a side counted twice."""
-    total = 0.0
+    summed = 0.0
     count = 0
     for a in range(3):
         for b in range(3):
             if marks[i + a, k + b] > 0:
                 weight = 2 if a == 1 or b == 1 else 1
-                total += weight * field[i + a - 1, k + b - 1]
+                summed += weight * field[i + a - 1, k + b - 1]
                 count += weight
-    return total / count
+    return summed / count
 
 
 @inner_jit()

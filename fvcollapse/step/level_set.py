@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from .arrays import larger
 from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments
 from .stencils import cubic, derivative_weno5, minmod
@@ -68,7 +69,7 @@ def node_speed(speed, u_node, w_node):
         for k in range(speed.shape[1]):
             u, w = u_node[i, k], w_node[i, k]
             speed[i, k] = math.hypot(u, w) if u != 0.0 or w != 0.0 else 0.0  # far off all is zero
-            fastest = max(fastest, speed[i, k])
+            fastest = larger(fastest, speed[i, k])
     return fastest
 
 

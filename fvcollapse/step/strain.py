@@ -22,9 +22,8 @@ def strain_rates(e_centre, g_node, u, w, bed_slip, geometry, dx, dz):
     e_centre[:] = 0.0
     g_node[:] = 0.0
     filled, aperture, interior = geometry.filled, geometry.aperture, geometry.interior
-    for i in range(
-        nx
-    ):  # no views of columns: counting their references costs more than a short column
+    # no views of columns: counting their references costs more than a short column
+    for i in range(nx):
         for k in range(geometry.reach[i]):
             if filled[i, k] > WET:
                 e_centre[i, k] = 0.5 * (

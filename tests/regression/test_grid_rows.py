@@ -42,7 +42,7 @@ def test_the_collapse_is_the_same_on_fewer_rows(whole):
     np.testing.assert_allclose(*heights, rtol=0.0, atol=1e-7 * reference.case.geometry.height_0)
 
 
-def test_grains_that_rise_again_get_new_rows(whole):
+def test_grains_that_rise_again_get_new_rows():
     grown, _ = collapse()
     rows = grown.grid.nz
     phi = grown.state.level_set
