@@ -246,11 +246,9 @@ PARTS = ("coefficients", "assembly", "factorisation", "substitution")
 # ---------------------------------------------------------------- from outside
 
 
-def run_member(case, cache=None):
+def run_member(case):
     """Figures of one case from a new process, with the wall time of that process."""
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    if cache is not None:
-        environment["NUMBA_CACHE_DIR"] = str(cache)
     code = "import sys, json; from fvcollapse.bench import member; json.dump(member(sys.stdin.read()), sys.stdout)"
     start = time.perf_counter()
     done = subprocess.run(

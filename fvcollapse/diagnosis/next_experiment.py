@@ -267,9 +267,8 @@ def strength_spread(analysis, name):
     changes, first = [], 0
     for effect, variant in zip(effects_of(name), hypothesis.variant, strict=True):
         response = analysis.responses[effect][variant]
-        for axis in range(
-            response.dimension
-        ):  # one parameter after the other, the others at their best
+        # one parameter after the other, the others at their best
+        for axis in range(response.dimension):
             ends = np.tile(hypothesis.u[first : first + response.dimension], (2, 1))
             ends[:, axis] = hypothesis.low[first + axis], hypothesis.high[first + axis]
             low, high = response.at(ends)

@@ -13,6 +13,12 @@ from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
 DEPTH = 0.02
+CHUTE = {
+    "geometry__slope_angle_deg": 24.0,
+    "boundary__mu_bed": math.inf,
+    "rheology__mu_1": 0.38,
+    "rheology__mu_2": 0.64,
+}
 
 
 def mass_per_length(case):
@@ -54,10 +60,7 @@ def test_a_steady_flow_spends_the_work_of_gravity_inside():
     case = layer_case(
         DEPTH / 16,
         DEPTH,
-        geometry__slope_angle_deg=24.0,
-        boundary__mu_bed=math.inf,
-        rheology__mu_1=0.38,
-        rheology__mu_2=0.64,
+        **CHUTE,
     )
     flow = layer(case, lambda z: exact.bagnold(case, z), dt=1.0)
     run_until(flow, 20.0)
@@ -129,10 +132,7 @@ def swollen(excess):
     case = layer_case(
         DEPTH / 8,
         DEPTH,
-        geometry__slope_angle_deg=24.0,
-        boundary__mu_bed=math.inf,
-        rheology__mu_1=0.38,
-        rheology__mu_2=0.64,
+        **CHUTE,
         effects__dilatancy={
             "dilatancy_factor": 4.0,
             "solid_fraction_0": 0.62,
