@@ -18,7 +18,7 @@ from .grid import Grid, gate_column
 from .state import crop, grow
 from .step import coupled, level_set, quantities
 from .step.arrays import largest
-from .step.balance import balance_of
+from .step.balance import SPEED_SCALE, balance_of
 from .step.banded import allocate_system, clear
 from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
@@ -43,7 +43,10 @@ from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_w
 from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
-CHANGE_LIMIT = 0.1  # relative change of the last sweep above which a step is refused
+CHANGE_LIMIT = (
+    0.1  # change of the last sweep above which a step is refused, relative to the largest speed
+)
+SLOW = 0.1  # of sqrt(g h0): grains slower than this may stall, and shorter steps do not help them
 HALVINGS = 5
 GROWTH = 16
 SPARE = 4  # rows in excess of the margin before they go: memory that no cache holds is what a step waits for
@@ -146,7 +149,7 @@ class Simulation:
         dt = fit_to(time_limit, start.time, self._time_step())
         for _ in range(HALVINGS + 1):
             outcome, correction, energy = self._try_step(start, dt)
-            if outcome.info == 0 and outcome.change <= CHANGE_LIMIT:
+            if outcome.info == 0 and self._last_change(outcome) <= CHANGE_LIMIT:
                 break
             dt *= 0.5
         else:
@@ -159,7 +162,7 @@ class Simulation:
                     start.time,
                 )
             raise NumericalError(
-                f"the nonlinear sweeps still change the velocity by {outcome.change:.2g} (limit "
+                f"the nonlinear sweeps still change the velocity by {self._last_change(outcome):.2g} (limit "
                 f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step",
                 "in the momentum solve",
                 start.time,
@@ -186,6 +189,13 @@ class Simulation:
             not outcome.settled,
             correction,
         )
+
+    def _last_change(self, outcome):
+        """Change of the velocity in the last sweep, relative to the largest speed, at least that of slow grains."""
+        if outcome.change <= CHANGE_LIMIT:
+            return outcome.change
+        fastest, scale = self.max_speed(), math.sqrt(GRAVITY * self.case.geometry.height_0)
+        return outcome.change * max(fastest, SPEED_SCALE * scale) / max(fastest, SLOW * scale)
 
     def _try_step(self, start, dt):
         self.state = state = start.copy()

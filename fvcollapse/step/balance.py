@@ -9,6 +9,7 @@ from .grain_response import Response
 from .lateral_friction import sink_constants
 
 PENALTY = 4.0e5  # of the incompressibility, in units of rho h0 sqrt(g h0): 1e8 Pa s for the paper's column
+SPEED_SCALE = 0.01  # of sqrt(g h0): the sweeps of slower grains need not converge any closer
 SOFT_STEPS = 10  # first steps, whose sweeps begin with a larger regularisation
 
 
@@ -75,7 +76,7 @@ def balance_of(case, state, dt, gravity, lift, gate_column, response):
         penalty=PENALTY * density * height * scale,
         unilateral=numerics.unilateral,
         tolerance=numerics.tolerance,
-        speed_scale=0.01 * scale,
+        speed_scale=SPEED_SCALE * scale,
         max_sweeps=numerics.max_sweeps,
         rate_start=soft,
         wall_deep_ratio=deep_ratio,
