@@ -229,6 +229,7 @@ def add_bench(commands):
         "bench", help="measure the cost of fixed cases", description=bench.__doc__
     )
     parser.add_argument("names", metavar="NAME", nargs="*", help="cases; default all to 3 mm")
+    parser.add_argument("--finest", action="store_true", help="without names: also 1.5 mm")
     parser.add_argument(
         "--effects", action="store_true", help="the cost of each effect instead; names are effects"
     )
@@ -244,7 +245,12 @@ def bench(arguments):
     from fvcollapse.bench import run_bench, table
 
     report = run_bench(
-        arguments.names, arguments.json, arguments.quiet, arguments.effects, arguments.end
+        arguments.names,
+        arguments.json,
+        arguments.quiet,
+        arguments.effects,
+        arguments.end,
+        arguments.finest,
     )
     print(table(report))
     return 0

@@ -45,18 +45,20 @@ TERMS = {
     "_continue_velocity": "continuation of the velocity",
 }
 NO_EFFECT = "no_effect"
-SAMPLES = 5  # instants at which the parts of a sweep are timed
-REPEATS = 5
+SAMPLES = 20  # instants at which the parts of a sweep are timed
+REPEATS = 3
+GROWTH_FROM = 0.006  # m; the growth of the cost with refinement begins here
 
 
 def cases(finest=False):
-    """The cases by name."""
+    """The cases by name; the mass is released at once, as in the code that they are compared with."""
     return {
         f"{slope}deg_{width}_{1e3 * size:g}mm": Case().replace(
             **{
                 "geometry.slope_angle_deg": float(slope),
                 "geometry.channel_width": value,
                 "effects.lateral_friction": {},
+                "gate.speed": math.inf,
                 "grid.cell_size": size,
                 "time.end": end,
                 "time.field_interval": end,
@@ -73,7 +75,9 @@ def effect_cases():
 
     Every parameter has the median of its prior; of several variants the default one is taken.
     """
-    base = cases()["22deg_w10cm_6mm"].replace(**{"effects.lateral_friction": None})
+    base = cases()["22deg_w10cm_6mm"].replace(
+        **{"effects.lateral_friction": None, "gate.speed": Case().gate.speed}
+    )
     with_each = {
         name: base.replace(**{f"effects.{name}": effect.keys(0.5)})
         for name, effect in CATALOGUE.items()
@@ -107,7 +111,8 @@ class TimedSimulation(Simulation):
         self.steps += 1
         if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
             start = time.perf_counter()
-            self.sweep_parts.append(time_sweep(self))
+            sweeps = self.sweeps - sum(part["sweeps"] for part in self.sweep_parts)
+            self.sweep_parts.append(time_sweep(self) | {"sweeps": sweeps})
             self.probing += time.perf_counter() - start
         self.ended = time.perf_counter()
         return record
@@ -211,13 +216,10 @@ def member(case_text):
 
 def figures(timed):
     """The row of one case; the loop begins with the first step and ends with the last."""
-    sizes = {
-        name: np.mean([part[name] for part in timed.sweep_parts])
-        for name in ("unknowns", "coefficients_read")
-    }
+    sizes = {name: mean_over_sweeps(timed, name) for name in ("unknowns", "coefficients_read")}
     sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
     bound_of_sweep = sweep_bytes / bandwidth(sweep_bytes)
-    parts = {name: np.mean([part[name] for part in timed.sweep_parts]) for name in PARTS}
+    parts = {name: mean_over_sweeps(timed, name) for name in PARTS}
     traffic = sweep_bytes * timed.unknowns / sizes["unknowns"]
     wall = timed.ended - timed.began - timed.probing
     share = {TERMS[name]: seconds / wall for name, seconds in timed.seconds.items()}
@@ -238,6 +240,12 @@ def figures(timed):
         "bound_s": traffic / sweep_bytes * bound_of_sweep,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
     }
+
+
+def mean_over_sweeps(timed, name):
+    """Mean of what was found at each instant, weighted by the sweeps that were made since the one before."""
+    weights = [part["sweeps"] for part in timed.sweep_parts]
+    return np.average([part[name] for part in timed.sweep_parts], weights=weights)
 
 
 PARTS = ("coefficients", "assembly", "factorisation", "substitution")
@@ -331,7 +339,7 @@ def machine():
     }
 
 
-def run_bench(names=(), path=None, quiet=False, effects=False, end=None):
+def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=False):
     """Measure cases and compilation; rewrite the report at `path` (JSON) after every case.
 
     With `effects` the cases are those of `effect_cases` and nothing else is measured; each has a
@@ -346,6 +354,8 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None):
         No progress bar.
     end : float, optional
         The collapses are cut short at this time, s: what a step costs on the finest grid needs no whole one.
+    finest : bool
+        Without names, the cases on the finest grid too.
 
     Returns
     -------
@@ -368,7 +378,7 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None):
     if effects:
         chosen = dict.fromkeys([NO_EFFECT, *(names or known)])
         return run_effects({name: known[name] for name in chosen}, path, quiet)
-    chosen = {name: known[name] for name in names or cases()}
+    chosen = {name: known[name] for name in names or cases(finest)}
     report = {"machine": machine(), "compilation": compile_times(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         report["cases"].append({"name": name} | run_member(case))
@@ -399,13 +409,14 @@ def run_effects(chosen, path, quiet):
 
 
 def growth(rows):
-    """How the cost of a cell and step grows as cells shrink, per slope and width: fitted exponent, total ratio.
+    """How the cost of a cell and step grows from 6 mm cells on, per slope and width: fitted exponent, total ratio.
 
     The exponent n is that of cost ~ (1/cell size)^n, by least squares over all sizes that were run.
     """
     families = {}
     for row in rows:
-        families.setdefault(row["name"].rpartition("_")[0], []).append(row)
+        if row["cell_size"] <= GROWTH_FROM:
+            families.setdefault(row["name"].rpartition("_")[0], []).append(row)
     found = {}
     for name, members in families.items():
         if len(members) > 1:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fvcollapse.diagnosis.controls import condition, learn
+from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import (
     calibration_covariance,
     discrepancy_amplitude,
@@ -206,7 +206,9 @@ def compare_library(library, experiments, controls=(), seed=0):
     if controls:
         wanted = np.arange(len(every)) < len(points)
         given = ~wanted & (every.kind == "value")
-        learned = learn(every, given, gap, known, kernel)
+        run = every.per_point(lambda block: every.names.index(block.experiment))
+        apart = set_ups_apart(every.experiments)[np.ix_(run, run)]
+        learned = learn(every, given, gap, known, kernel, apart)
         found = condition(given, wanted, gap, known + learned.covariance)
         shift, covariance = found.mean, found.covariance
         everything = everything + learned.covariance

@@ -1,9 +1,11 @@
 """What experiments in which nothing is hidden teach about the model: its discrepancy, not its rheology.
 
 The gaps of the controls are explained by U, the covariance of everything that is known to be uncertain,
-and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with the correlation rho
-between runs, S one factor for each observable. The factors and rho are those that make the gaps of the
-controls most probable. Given these gaps, the discrepancy of another run has a mean and a covariance
+and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with a correlation rho^D
+between runs whose set-ups are D apart, S one factor for each observable. What a model leaves out depends on
+the set-up: the same column on the same slope is missed by the same amount, however badly. The factors and
+rho are those that make the gaps of the controls most probable. Given these gaps, the discrepancy of
+another run has a mean and a covariance
 (Gaussian conditioning): with them it is judged.
 
 References
@@ -16,19 +18,23 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import minimize
+from scipy.spatial.distance import cdist
 
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
 # change of volume, of which its parameters know nothing
 FACTOR_MEDIAN, FACTOR_SPREAD = 0.3, 3.0
+SLOPE_APART = 6.0  # degrees that are one unit of D
+SIZE_APART = 0.5  # one unit of D, of the logarithms of height and length and of height / width
+REPEATED = 0.98  # correlation of two runs of the same set-up: the packing is never the same
 CORRELATIONS = (0.02, 0.98)  # range of rho
 CORRELATION_SPREAD = 1.5  # of its logit
 FIRST_STEP = 0.7  # of the search
 
 
 class Discrepancy(NamedTuple):
-    """What was learned: factor of each observable, correlation between runs, and S K S (N, N)."""
+    """What was learned: factor of each observable, correlation rho of runs one unit apart, and S K S (N, N)."""
 
     factors: dict
     correlation: float
@@ -42,7 +48,19 @@ class Conditioned(NamedTuple):
     covariance: np.ndarray
 
 
-def learn(points, given, gap, covariance, kernel):
+def set_ups_apart(experiments):
+    """Distance D of the set-ups of experiments (n,): (n, n) array, 1 for 6 degrees of slope."""
+    places = []
+    for experiment in experiments:
+        geometry = experiment.case().geometry
+        sizes = np.log([geometry.height_0, geometry.length_0])
+        slenderness = geometry.height_0 / geometry.channel_width  # 0 without lateral walls
+        slope = geometry.slope_angle_deg / SLOPE_APART
+        places.append([slope, *(np.append(sizes, slenderness) / SIZE_APART)])
+    return cdist(places, places)
+
+
+def learn(points, given, gap, covariance, kernel, apart):
     """The `Discrepancy` that the controls show.
 
     Parameters
@@ -55,6 +73,8 @@ def learn(points, given, gap, covariance, kernel):
         Simulated - measured.
     covariance, kernel : (N, N) arrays
         U and K_delta.
+    apart : (N, N) array
+        Distance D of the runs of two points.
     """
     observable, run = points.observable, points.experiment
     names = np.unique(observable[given]).tolist()
@@ -68,7 +88,7 @@ def learn(points, given, gap, covariance, kernel):
         low, high = CORRELATIONS
         rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
         factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable])
-        between = np.where(same_run, 1.0, rho / BETWEEN_RUNS)
+        between = np.where(same_run, 1.0, REPEATED * rho**apart / BETWEEN_RUNS)
         return factors, rho, between * kernel * np.outer(factor, factor)
 
     def cost(parameters):

@@ -10,6 +10,7 @@ from fvcollapse.case import describe_keys
 from fvcollapse.curves import FORMS
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
+from fvcollapse.diagnosis.controls import SLOPE_APART
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -546,7 +547,8 @@ def control_words(analysis):
     names = ", ".join(one.name for one in analysis.controls)
     return (
         f"Gaps are judged after what the controls ({names}) show; discrepancy in units of the "
-        f"calibration uncertainty: {factors}; correlation between runs {learned.correlation:.2f}."
+        f"calibration uncertainty: {factors}; correlation {learned.correlation:.2f} between runs whose "
+        f"slopes differ by {SLOPE_APART:g}°."
     )
 
 

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from fake_points import fake_points
 from toy_laboratory import ToyRunner, film
 
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse, sensitivities, set_up_covariance
-from fvcollapse.diagnosis.controls import condition, learn
+from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
+from fvcollapse.diagnosis.covariance import discrepancy_kernel
 from fvcollapse.errors import InputError
 
 EFFECTS = ("lateral_friction", "gate", "cohesion", "bed_friction")
@@ -148,12 +150,30 @@ def test_conditioning_is_that_of_two_correlated_numbers():
     assert found.covariance == pytest.approx(np.array([[4.0 - 9.0 / 9.0]]))
 
 
+def test_set_ups_are_apart_by_slope_and_size(tmp_path):
+    """6 degrees are one; a channel of 0.7 instead of 1.4 heights is 1.4."""
+    experiments = filmed(tmp_path, ((10.0, 0.1), (16.0, 0.1), (10.0, 0.2)))
+    found = set_ups_apart(experiments)
+    assert found[0] == pytest.approx([0.0, 1.0, 1.4])
+    assert found[1, 2] == pytest.approx(np.hypot(1.0, 1.4))
+
+
+@pytest.mark.parametrize(("distance", "share"), [(0.0, (0.9, 1.0)), (8.0, (-0.1, 0.1))])
+def test_a_control_of_the_same_set_up_teaches_most(distance, share):
+    """The gap that a control shows is expected again where it was set up alike, and not far from there."""
+    points = fake_points(runs=2, places=20, kinds=())
+    kernel = discrepancy_kernel(points, 5.0 * points.sigma)
+    known, given = np.diag(points.sigma**2), points.experiment == "r0"
+    gap = 10.0 * points.sigma
+    apart = np.where(points.experiment[:, None] == points.experiment, 0.0, distance)
+    learned = learn(points, given, gap, known, kernel, apart)
+    found = condition(given, ~given, gap, known + learned.covariance)
+    low, high = share
+    assert low < np.mean(found.mean / gap[~given]) < high
+
+
 def test_learning_finds_the_size_of_a_known_discrepancy():
     """Factors and correlation of gaps drawn from the very model."""
-    from fake_points import fake_points
-
-    from fvcollapse.diagnosis.covariance import discrepancy_kernel
-
     points = fake_points(runs=4, places=20, kinds=())
     rng = np.random.default_rng(3)
     known = np.diag(points.sigma**2)
@@ -161,7 +181,8 @@ def test_learning_finds_the_size_of_a_known_discrepancy():
     factor = np.where(points.observable == "front", 2.0, 0.5)
     covariance = known + kernel * np.outer(factor, factor)
     gap = np.linalg.cholesky(covariance) @ rng.standard_normal(len(points))
-    found = learn(points, np.ones(len(points), bool), gap, known, kernel)
+    apart = np.where(points.experiment[:, None] == points.experiment, 0.0, 1.0)
+    found = learn(points, np.ones(len(points), bool), gap, known, kernel, apart)
     assert 0.8 < found.factors["front"] < 5.0
     assert 0.25 < found.factors["profiles"] < 1.0
     assert 0.02 < found.correlation < 0.98
