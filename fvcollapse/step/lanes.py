@@ -2,7 +2,7 @@
 
 The rows of a band are short (5 to 100 numbers) and lie in one array, so that a compiler which sees a
 plain loop checks for overlap and peels the remainder before it uses vector instructions: these
-two operations leave that out. They work on whole groups of `LANES` numbers: up to LANES - 1 numbers
+operations leave that out. They work on whole groups of `LANES` numbers: up to LANES - 1 numbers
 behind the end of a row are read and written too. The caller pads the arrays, and keeps zeros behind
 every source row, so that what is written there is what stood there.
 """
@@ -14,6 +14,7 @@ from numba.extending import intrinsic
 
 LANES = 8
 VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+MASK = ir.VectorType(ir.IntType(1), LANES)
 INDEX = ir.IntType(64)
 CONTRACT = ("contract",)  # a product and a sum may become one fused instruction
 
@@ -73,6 +74,70 @@ def subtract_rows(typingctx, target, starts, source, places, factors, count):
                     values[t] = builder.fsub(values[t], product, flags=CONTRACT)
             for value, goal in zip(values, goals, strict=True):
                 builder.store(value, goal, align=8)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def scale_rows(typingctx, scaled, flat, start, step, pivot, skip, count):
+    """scaled[LANES p + t] = flat[start + p step + t] flat[pivot + p skip], p < count, t < LANES."""
+    signature = types.void(scaled, flat, *[types.int64] * 5)
+
+    def generate(context, builder, signature, args):
+        scaled, flat = (_data(context, builder, signature, args, n) for n in (0, 1))
+        start, step, pivot, skip, count = args[2:]
+        with cgutils.for_range(builder, count) as loop:
+            place = builder.add(start, builder.mul(loop.index, step))
+            row = builder.load(_group(builder, flat, place), align=8)
+            at = builder.gep(flat, [builder.add(pivot, builder.mul(loop.index, skip))])
+            goal = _group(builder, scaled, builder.mul(loop.index, INDEX(LANES)))
+            builder.store(builder.fmul(row, _spread(builder, builder.load(at))), goal, align=8)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def subtract_block(typingctx, flat, start, step, source, count, scaled, rows):
+    """flat[start + t step + m] -= sum_p scaled[LANES p + t] flat[source + p step + m], t <= m < rows.
+
+    For LANES columns t at once and `count` source rows p: a group of the target is read and written
+    once, and stays in registers between. In the first group what lies above the diagonal is kept.
+    """
+    signature = types.void(flat, *[types.int64] * 4, scaled, types.int64)
+
+    def generate(context, builder, signature, args):
+        flat, scaled = (_data(context, builder, signature, args, n) for n in (0, 5))
+        start, step, source, count, rows = (args[n] for n in (1, 2, 3, 4, 6))
+        starts = [start]
+        while len(starts) < LANES:
+            starts.append(builder.add(starts[-1], step))
+
+        def subtract(m, keep_above):
+            goals = [_group(builder, flat, builder.add(begin, m)) for begin in starts]
+            before = [builder.load(goal, align=8) for goal in goals]
+            sums = [cgutils.alloca_once_value(builder, value) for value in before]
+            with cgutils.for_range(builder, count) as loop:
+                place = builder.add(source, builder.mul(loop.index, step))
+                row = builder.load(_group(builder, flat, builder.add(place, m)), align=8)
+                first = builder.mul(loop.index, INDEX(LANES))
+                for t, so_far in enumerate(sums):
+                    at = builder.gep(scaled, [builder.add(first, INDEX(t))])
+                    product = builder.fmul(_spread(builder, builder.load(at)), row, flags=CONTRACT)
+                    rest = builder.fsub(builder.load(so_far), product, flags=CONTRACT)
+                    builder.store(rest, so_far)
+            for t, goal in enumerate(goals):
+                value = builder.load(sums[t])
+                if keep_above and t > 0:
+                    below = [ir.IntType(1)(int(lane >= t)) for lane in range(LANES)]
+                    value = builder.select(ir.Constant(MASK, below), value, before[t])
+                builder.store(value, goal, align=8)
+
+        subtract(INDEX(0), True)
+        others = cgutils.for_range_slice(builder, INDEX(LANES), rows, INDEX(LANES), inc=True)
+        with others as (m, _):
+            subtract(m, False)
         return context.get_dummy_value()
 
     return signature, generate
