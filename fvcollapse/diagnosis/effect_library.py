@@ -4,12 +4,14 @@ For every experiment: the baseline on two grids, an ensemble with calibrated par
 from their uncertainty, and every effect of the catalogue at a few quantiles of its priors, closure by
 closure. None of them depends on what was measured, only on how: they come from the cache of runs, and an
 experiment with the same set-up finds them done. Ensemble and effects are runs on the coarser grid;
-only their differences to the baseline there are used, on top of the baseline on the finer grid.
+only their differences to the baseline there are used, on top of the baseline on the finer grid, those of
+effects after the correction that one level of each on both grids shows (`grid_correction`).
 
 An effect that changes what is seen and not what flows is read off the run without it.
 """
 
 import zlib
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
@@ -22,6 +24,7 @@ from fvcollapse.cache import EXTRACT, RunCache, default_folder
 from fvcollapse.case import GRAVITY
 from fvcollapse.case_keys import as_table
 from fvcollapse.diagnosis.emulator import Response
+from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import CaseError, InputError, NumericalError
@@ -366,6 +369,8 @@ class Library:
         Effect -> tuple of `Closure`.
     responses : dict
         Effect -> list of `Response`, one for each closure.
+    corrections : dict
+        (effect, number of the closure) -> `GridCorrection`, where the run on the finer grid did not fail.
     left_out : dict
         Effect -> why it is not compared.
     """
@@ -381,6 +386,7 @@ class Library:
     samples: np.ndarray
     closures: dict
     responses: dict
+    corrections: dict
     left_out: dict
 
 
@@ -454,20 +460,25 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
         samples=samples,
         closures={name: closures[name] for name in responses},
         responses=responses,
+        corrections=reading.corrections,
         left_out=left_out,
     )
 
 
 def level_cases(closures, experiment, case):
-    """{label: (experiment, case)} of an effect at all levels of its closures."""
-    return {
-        ((closure.effect, number), level, experiment.name): (
-            experiment,
-            case.replace(**{f"effects.{closure.effect}": closure.section(u)}),
-        )
-        for number, closure in enumerate(closures)
-        for level, u in enumerate(closure.levels())
-    }
+    """{label: (experiment, case)} of an effect at all levels of its closures, and at one on the finer grid."""
+    found = {}
+    for number, closure in enumerate(closures):
+        key = closure.effect, number
+        levels = [
+            case.replace(**{f"effects.{closure.effect}": closure.section(u)})
+            for u in closure.levels()
+        ]
+        for level, each in enumerate(levels):
+            found[key, level, experiment.name] = (experiment, each)
+        fine = refined(levels[reference_level(closure.levels())])
+        found[key, "fine", experiment.name] = (experiment, fine)
+    return found
 
 
 def add_levels(library, wanted, runner):
@@ -494,6 +505,8 @@ def add_levels(library, wanted, runner):
         if any(((effect, number), 0, name) in reading.failures for name in names):
             continue
         difference = reading.vector((effect, number), 0, library.coarse) - library.coarse
+        if (effect, number) in library.corrections:
+            difference = library.corrections[effect, number](difference)
         before = responses[effect][number]
         after = Response.fit(
             np.vstack([before.levels, u]), np.vstack([before.differences, difference])
@@ -508,6 +521,7 @@ class Reading:
 
     def __init__(self, points, seen, failures):
         self.points, self.seen, self.failures = points, seen, failures
+        self.corrections = {}
         self.parts = {one.name: choose_points((one,)) for one in points.experiments}
 
     def vector(self, what, number, base=None):
@@ -543,6 +557,19 @@ class Reading:
             raise NumericalError(f"{what}, the last: {failure}")
         return np.array(samples), kept
 
+    def correction(self, key, level):
+        """The `GridCorrection` of a closure from its level on both grids.
+
+        Raises
+        ------
+        NumericalError
+            One of its two runs failed.
+        """
+        coarse, fine = self.vector("coarse", None), self.vector("fine", None)
+        reference = self.vector(key, level, coarse) - coarse
+        change = self.vector(key, "fine", fine) - fine - reference
+        return GridCorrection(reference, change, 1.0 / self.points.sigma)
+
     def response(self, number, closure):
         """The `Response` of a closure.
 
@@ -551,17 +578,20 @@ class Reading:
         NumericalError
             Too many of its runs failed.
         """
-        base = self.vector("coarse", None)
+        base, key = self.vector("coarse", None), (closure.effect, number)
         levels, differences, failure = [], [], None
         for n, u in enumerate(closure.levels()):
             try:
-                differences.append(self.vector((closure.effect, number), n, base) - base)
+                differences.append(self.vector(key, n, base) - base)
                 levels.append(u)
             except NumericalError as error:
                 failure = error
         wanted = len(closure.levels())
         if len(levels) < max(2, (1.0 - FAILED_LEVELS) * wanted):
             raise NumericalError(f"{wanted - len(levels)} of its {wanted} runs fail: {failure}")
+        with suppress(NumericalError):
+            self.corrections[key] = self.correction(key, reference_level(closure.levels()))
+            differences = [self.corrections[key](each) for each in differences]
         return Response.fit(levels, np.array(differences))
 
     def shows(self, name, responses, left_out):

@@ -188,8 +188,8 @@ def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monke
     calls.extend([None] * 5)  # past the interruption
     runner = Runner(tmp_path)
     found = build_library(*arguments, runner, ["cohesion"], draws=4)
-    assert len(runner.asked) == 2 + 4 + 4
-    assert len(runner.computed) == len(calls) - 5 == 10 - 4
+    assert len(runner.asked) == 2 + 4 + 5
+    assert len(runner.computed) == len(calls) - 5 == 11 - 4
     again = Runner(tmp_path)
     same = build_library(*arguments, again, ["cohesion"], draws=4)
     assert not again.computed

@@ -24,6 +24,7 @@ from fvcollapse.diagnosis.effect_library import (
     with_nuisances,
 )
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
+from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
@@ -235,7 +236,30 @@ def test_library_holds_baselines_ensemble_and_responses(experiments, cases):
     (response,) = found.responses["bed_friction"]
     level = found.closures["bed_friction"][0].levels()[2]
     assert response.at(level) == pytest.approx(response.differences[2], abs=1e-9)
-    assert len(runner.asked) == 2 * (2 + 6 + 4 + len(design(4)))
+    assert len(runner.asked) == 2 * (2 + 6 + 4 + len(design(4)) + 2)  # two on the finer grid
+
+
+def test_a_response_is_that_of_the_finer_grid_where_it_was_run_there(experiments, cases):
+    """At the level of reference exactly; at the others in proportion to their own response."""
+    one = experiments[0]
+    found = build_library([one], cases, ToyRunner(), ["bed_friction"], draws=4)
+    (closure,), (response,) = found.closures["bed_friction"], found.responses["bed_friction"]
+    level = closure.levels()[reference_level(closure.levels())]
+    case = cases[one.name].replace(**{"effects.bed_friction": closure.section(level)})
+    seen, _ = ToyRunner().observations({("fine", 0, one.name): (one, refined(case))})
+    fine = Reading(found.points, seen, {}).vector("fine", 0)
+    assert response.at(level) == pytest.approx(fine - found.fine, abs=1e-9)
+    correction = found.corrections["bed_friction", 0]
+    assert correction.change.any()
+    assert correction(0.5 * correction.reference) == pytest.approx(0.5 * (fine - found.fine))
+    assert not correction(np.zeros(len(fine))).any()
+
+
+def test_a_failed_run_on_the_finer_grid_costs_the_correction_only(experiments, cases):
+    runner = Failing(lambda label: label[1] == "fine")
+    found = build_library(experiments[:1], cases, runner, ["bed_friction"], draws=4)
+    assert set(found.responses) == {"bed_friction"}
+    assert found.corrections == {}
 
 
 def test_effects_do_not_act_in_controls(experiments, cases):
@@ -295,7 +319,7 @@ def test_failed_runs_cost_a_draw_or_an_effect_not_the_diagnosis(experiments, cas
     fails = lambda label: label[0] == "draw" and label[1] == 2  # noqa: E731
     found = build_library(experiments[:2], cases, Failing(fails), ["cohesion"], draws=6)
     assert found.samples.shape[0] == found.draws.shape[0] == 5
-    fails = lambda label: label[0] == ("cohesion", 0) and label[1] > 0  # noqa: E731
+    fails = lambda label: label[0] == ("cohesion", 0) and label[1] != 0  # noqa: E731
     found = build_library(experiments[:2], cases, Failing(fails), ["cohesion", "gate"], draws=4)
     assert set(found.responses) == {"gate"}
     assert "3 of its 4 runs fail: it blew up" in found.left_out["cohesion"]
