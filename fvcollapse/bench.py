@@ -111,8 +111,7 @@ class TimedSimulation(Simulation):
         self.steps += 1
         if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
             start = time.perf_counter()
-            sweeps = self.sweeps - sum(part["sweeps"] for part in self.sweep_parts)
-            self.sweep_parts.append(time_sweep(self) | {"sweeps": sweeps})
+            self.sweep_parts.append(time_sweep(self) | {"sweeps": self.sweeps})
             self.probing += time.perf_counter() - start
         self.ended = time.perf_counter()
         return record
@@ -243,8 +242,10 @@ def figures(timed):
 
 
 def mean_over_sweeps(timed, name):
-    """Mean of what was found at each instant, weighted by the sweeps that were made since the one before."""
-    weights = [part["sweeps"] for part in timed.sweep_parts]
+    """Mean of what was found at each instant, each for the sweeps that are nearest to it."""
+    made = np.array([part["sweeps"] for part in timed.sweep_parts])
+    between = 0.5 * (made[1:] + made[:-1])
+    weights = np.diff([0.0, *between, timed.sweeps])
     return np.average([part[name] for part in timed.sweep_parts], weights=weights)
 
 

@@ -13,6 +13,7 @@ References
 Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -20,13 +21,21 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
+from fvcollapse.case import GRAVITY
+from fvcollapse.case_keys import as_table
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
 # change of volume, of which its parameters know nothing
 FACTOR_MEDIAN, FACTOR_SPREAD = 0.3, 3.0
 SLOPE_APART = 6.0  # degrees that are one unit of D
-SIZE_APART = 0.5  # one unit of D, of the logarithms of height and length and of height / width
+SIZE_APART = (
+    0.5  # one unit, of the logarithms of height and length, of height / width and of the gate
+)
+FRICTION_APART = 0.1  # one unit, of the friction of grains, bed and back wall
+SLOWEST_GATE = 5.0  # sqrt(g height) over its speed, as far as that counts
+IN_NUMBERS = ("slope_angle_deg", "height_0", "length_0", "channel_width")
+# (the units are chosen, not learned: two controls tell one distance)
 REPEATED = 0.98  # correlation of two runs of the same set-up: the packing is never the same
 CORRELATIONS = (0.02, 0.98)  # range of rho
 CORRELATION_SPREAD = 1.5  # of its logit
@@ -49,15 +58,30 @@ class Conditioned(NamedTuple):
 
 
 def set_ups_apart(experiments):
-    """Distance D of the set-ups of experiments (n,): (n, n) array, 1 for 6 degrees of slope."""
-    places = []
+    """Distance D of the set-ups of experiments as they are stated: (n, n) array, 1 for 6 degrees of slope."""
+    places, others = [], []
     for experiment in experiments:
-        geometry = experiment.case().geometry
-        sizes = np.log([geometry.height_0, geometry.length_0])
-        slenderness = geometry.height_0 / geometry.channel_width  # 0 without lateral walls
-        slope = geometry.slope_angle_deg / SLOPE_APART
-        places.append([slope, *(np.append(sizes, slenderness) / SIZE_APART)])
-    return cdist(places, places)
+        case = experiment.case()
+        geometry, law, bed = case.geometry, case.rheology, case.boundary
+        gate = sqrt(GRAVITY * geometry.height_0) / case.gate.speed if case.gate.speed else inf
+        sizes = [
+            np.log(geometry.height_0),
+            np.log(geometry.length_0),
+            geometry.height_0 / geometry.channel_width,  # 0 without lateral walls
+            min(gate, SLOWEST_GATE),  # 0 where it is removed at once
+        ]
+        friction = [law.mu_1, max(law.mu_1 - bed.mu_bed, 0.0), bed.mu_back_wall]
+        places.append(
+            [
+                geometry.slope_angle_deg / SLOPE_APART,
+                *(np.array(sizes) / SIZE_APART),
+                *(np.array(friction) / FRICTION_APART),
+            ]
+        )
+        table = as_table(case)["geometry"]
+        others.append({key: value for key, value in table.items() if key not in IN_NUMBERS})
+    shaped = np.array([[float(a != b) for b in others] for a in others])
+    return cdist(places, places) + shaped
 
 
 def learn(points, given, gap, covariance, kernel, apart):

@@ -63,12 +63,14 @@ class Work(NamedTuple):
 class Outcome(NamedTuple):
     """What the sweeps report.
 
-    `change` of the last sweep and `residual` of the momentum balance are relative; `settled`: the
+    `change` of the last sweep (to `speed`, the largest one, m/s, or the scale of slow grains) and `residual` of the
+    momentum balance are relative; `settled`: the
     velocity has converged to the tolerance and the friction of the bed to `FRICTION_TOLERANCE`.
     """
 
     sweeps: int
     change: float
+    speed: float
     divergence: float
     residual: float
     info: int
@@ -507,7 +509,7 @@ def solve(
         dx,
         dz,
     )
-    change = residual = div_max = math.inf
+    change = largest = residual = div_max = math.inf
     sweeps = info = 0
     settled = False
     friction = math.inf
@@ -551,4 +553,4 @@ def solve(
         if sweep > 0 and settled:
             break
     residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
-    return Outcome(sweeps, change, div_max, residual, info, settled)
+    return Outcome(sweeps, change, largest, div_max, residual, info, settled)

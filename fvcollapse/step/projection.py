@@ -161,6 +161,6 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
             break
     work.multiplier[:] = pressure
     residual = momentum_residual(rhs, work, u, w, u_star, w_star, geometry, balance, dx, dz)
-    return Outcome(
-        sweep + 1, change, np.abs(div @ velocity).max(), residual, 0, change < balance.tolerance
-    )
+    divergence = np.abs(div @ velocity).max()
+    settled = change < balance.tolerance
+    return Outcome(sweep + 1, change, largest, divergence, residual, 0, settled)

@@ -158,6 +158,21 @@ def test_set_ups_are_apart_by_slope_and_size(tmp_path):
     assert found[1, 2] == pytest.approx(np.hypot(1.0, 1.4))
 
 
+def test_set_ups_of_other_grains_or_another_gate_are_apart(tmp_path):
+    """As the files state it: friction 0.1 more is one, a gate half as fast sqrt(g h) / (2 v) / 0.5."""
+    one, other = filmed(tmp_path, ((16.0, 0.1), (16.0, 0.2)))
+    text = (one.folder / "experiment.toml").read_text(encoding="utf-8")
+    folder = other.folder
+    (folder / "experiment.toml").write_text(text.replace("mu_1 = 0.45", "mu_1 = 0.55"))
+    assert set_ups_apart((one, load_experiment(folder)))[0, 1] == pytest.approx(1.0)
+    speed = one.case().gate.speed
+    (folder / "experiment.toml").write_text(
+        text.replace(f"speed = {speed:g}", f"speed = {speed / 2:g}")
+    )
+    apart = np.sqrt(9.81 * one.case().geometry.height_0) / speed / 0.5
+    assert set_ups_apart((one, load_experiment(folder)))[0, 1] == pytest.approx(apart)
+
+
 @pytest.mark.parametrize(("distance", "share"), [(0.0, (0.9, 1.0)), (8.0, (-0.1, 0.1))])
 def test_a_control_of_the_same_set_up_teaches_most(distance, share):
     """The gap that a control shows is expected again where it was set up alike, and not far from there."""
