@@ -74,6 +74,8 @@ def diagnose(
     experiments, hold_out, controls = map(load_all, (experiments, hold_out, controls))
     if not experiments:
         raise InputError("command line", "EXPERIMENT", "none", "one experiment or more")
+    if seed < 0:
+        raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
     choose_points((*experiments, *hold_out, *controls))  # refuses a name twice
     if case is not None and not isinstance(case, Case):
         case = load_case(case)

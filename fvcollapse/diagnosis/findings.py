@@ -21,6 +21,7 @@ from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNE
 from fvcollapse.diagnosis.separability import EQUIVALENT
 from fvcollapse.effects import CATALOGUE
 
+FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
 ENDS = 0.002  # quantiles of a value that is told stay inside: some priors have no end
 LIKE_MISCALIBRATION = 0.2  # share of the null test that an effect wins
@@ -64,6 +65,7 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
         next_experiment=upcoming[0] if upcoming else None,
         cost=cost,
         details=form.Details(
+            expected=expected(analysis),
             set_ups={one.name: set_up(one) for one in (*analysis.experiments, *held)},
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
@@ -115,6 +117,16 @@ def levels_of(analysis):
         )
         for each in analysis.gap_map.by_observable
         if not each.experiment
+    }
+
+
+def expected(analysis):
+    """Observable -> root mean square of the gap that the controls let expect, SI; empty without controls."""
+    if not analysis.controls:
+        return {}
+    observable = analysis.points.observable
+    return {
+        str(name): rms(analysis.shift[observable == name]) for name in dict.fromkeys(observable)
     }
 
 
@@ -198,8 +210,9 @@ def budget(analysis):
     if analysis.controls:
         sources = {
             "measurement and grid": np.diag(analysis.measurement + analysis.numerical),
-            "all, after the controls": np.diag(analysis.covariance),
         }
+        rest = np.diag(analysis.covariance) - sources["measurement and grid"]
+        sources["parameters, set-up and discrepancy, after the controls"] = rest
     observable = points.observable
     return {
         str(name): {
@@ -230,7 +243,12 @@ def candidates(analysis, verdict):
 
 def plausible(hypothesis):
     """Whether the best parameters lie inside the central 98 % of their priors."""
-    return bool(np.all((hypothesis.u > PLAUSIBLE) & (hypothesis.u < 1.0 - PLAUSIBLE)))
+    return is_inside(hypothesis.u)
+
+
+def is_inside(u):
+    """Whether quantiles lie inside the central 98 %."""
+    return bool(np.all((u > PLAUSIBLE) & (u < 1.0 - PLAUSIBLE)))
 
 
 def parameters(closure, quantiles, units):
@@ -423,7 +441,8 @@ def confirmation(analysis, verdict, ladder):
             folds.append(fold)
             beaten[name, held] = rival not in own or own[WINNER] > own[rival]
     hypothesis = analysis.evidence.hypotheses[ladder.names[WINNER]]
-    inside, p_value = plausible(hypothesis), predictive_check(analysis, ladder, hypothesis)
+    inside = all(is_inside(u) for _, u in ladder.fits[WINNER].effects.values())
+    p_value = predictive_check(analysis, ladder, hypothesis)
     gain = [
         closing(ladder.fitted, BASELINE, model, slice(None), analysis.seed).fraction
         for model in (WINNER, rival)
@@ -436,7 +455,7 @@ def confirmation(analysis, verdict, ladder):
     held = [won for (_, held), won in beaten.items() if held]
     if held and all(held) and inside and p_value >= CHECK_PASSED and alone and apart:
         wording = "confirmed"
-    elif gain[0] <= 0.0 or (beaten and not any(beaten.values())):
+    elif gain[0] <= 0.0 or p_value < CHECK_PASSED or (beaten and not any(beaten.values())):
         wording = "not confirmed"
     else:
         wording = "consistent with"
@@ -510,6 +529,7 @@ def limits(analysis, ladder):
         words.append(f"Calibrated parameters that are off look like: {', '.join(like)}.")
     if ladder.held_out is None:
         words.append("No experiment was held out, so no cause can be confirmed.")
+    words += [far_words(ladder, model) for model in ladder.fits if far_off(ladder, model)]
     if analysis.controls:
         words.append(control_words(analysis))
         if ladder.held_out is not None:
@@ -522,6 +542,25 @@ def limits(analysis, ladder):
                 "defaults hold (`fvcollapse keys --experiment`)."
             )
     return words + [f"A run of the ladder failed: {failure}." for failure in ladder.failures]
+
+
+def far_off(ladder, model):
+    """{key: standard deviations} of the parameters that the re-calibration of a model moved by more than two."""
+    if model == BASELINE:
+        return {}
+    pairs = zip(ladder.quantities, ladder.fits[model].z, strict=True)
+    return {quantity.key: z for quantity, z in pairs if abs(z) > FAR}
+
+
+def far_words(ladder, model):
+    """What was moved farther than it is believed to be uncertain."""
+    moved = ", ".join(f"{key} by {z:+.1f}" for key, z in far_off(ladder, model).items())
+    names = {
+        RECALIBRATED: "The re-calibration without any effect",
+        WINNER: "That with the first effect",
+    }
+    name = names.get(model, "That with the second effect")
+    return f"{name} moves {moved} standard deviations of what was believed (3 are allowed)."
 
 
 def model_words(analysis, model):

@@ -256,6 +256,10 @@ def choose_points(experiments):
     names = [experiment.name for experiment in experiments]
     for experiment in experiments:
         if names.count(experiment.name) > 1:
+            alike = [one.folder.resolve() for one in experiments if one.name == experiment.name]
+            if len(set(alike)) < len(alike):
+                allowed = "each folder once: fitted, held out or a control"
+                raise InputError(experiment.folder, "folder", "it is given twice", allowed)
             twice = f"the name {experiment.name} twice"
             raise InputError(experiment.folder, "folder", twice, "folders of different names")
     blocks, measured, sigma, runs, start = [], [], [], [], 0

@@ -376,6 +376,9 @@ class Details(Part):
     ----------
     set_ups : dict
         Experiment -> `SetUp`, fitted and held out.
+    expected : dict
+        Observable -> root mean square of the gap that the controls let expect, which is taken off, in its
+        units; empty without controls.
     comparisons : list of Comparison
     shares : list of Share
     budget : dict
@@ -393,6 +396,7 @@ class Details(Part):
     """
 
     set_ups: dict[str, SetUp] = {}
+    expected: dict[str, float] = {}
     comparisons: list[Comparison] = []
     shares: list[Share] = []
     budget: dict[str, dict[str, float]] = {}

@@ -84,6 +84,9 @@ def render(report, chapters):
         overlays=overlay_groups(report, chapters["overlays"]),
         answer=words.answer(report),
         headline=words.headline(report),
+        named=words.named(report),
+        expected=words.expected_gaps(report),
+        tested=any(one.conformal_p is not None for one in report.details.hypotheses.values()),
         after=words.after_model(report),
         model=lambda model: words.model_name(model, report),
         confirmed=report.details.confirmation and words.wording(report.details.confirmation),
@@ -235,14 +238,16 @@ def rung_rows(report):
 
 
 def absorbed_rows(report):
-    """(effect, keys whose calibration may hold it) of the effects in the set or the verdict."""
+    """(effect, keys whose calibration may hold it, those of them that were re-calibrated) of what is named or left."""
     names = dict.fromkeys([*report.verdict.effects, *report.verdict.set])
+    fitted = {key.partition(" ")[0] for rung in report.details.ladder for key in rung.calibrated}
     rows = []
     for name in names:
         stated = report.details.hypotheses.get(name)
         keys = stated.absorbed_in if stated else ()
-        if keys or (name in CATALOGUE and CATALOGUE[name].absorbed_in):
-            rows.append((name, keys or CATALOGUE[name].absorbed_in))
+        keys = keys or (CATALOGUE[name].absorbed_in if name in CATALOGUE else ())
+        if keys:
+            rows.append((name, keys, [key for key in keys if key in fitted]))
     return rows
 
 

@@ -216,16 +216,25 @@ def where_sentence(report):
     )
     others = len(regions) - len(largest)
     more = f"; and {others} smaller region{'s' if others > 1 else ''}" if others else ""
+    after = ", after what the controls show is taken off" if report.details.expected else ""
     return (
         "Simulation and experiment differ by more than the uncertainties of measurement, grid and "
-        f"calibrated parameters explain: {words}{more}."
+        f"calibrated parameters explain{after}: {words}{more}."
     )
 
 
 def none_sentences(report):
     """What "none" means."""
-    chance = percent(report.verdict.probability[NONE])
-    text = f"No effect has to be added to the model to explain these data (probability {chance})."
+    verdict = report.verdict
+    chance = percent(verdict.probability[NONE])
+    text = f"No effect has to be added to the model to explain these data (probability {chance})"
+    first, most = ranking(report)[0]
+    if first != NONE:
+        text += f", although {hypothesis_name(first)} is more probable ({percent(most)}): the model passes as it is"
+    text += "."
+    still = [hypothesis_name(name) for name in verdict.set if name != NONE]
+    if still:
+        text += f" They do not exclude {listed(still, 'or')}."
     if report.where:
         text += " The differences above are of a size that a model without any missing effect shows as well."
     return [text]
@@ -295,6 +304,23 @@ def closed(part):
     )
 
 
+def expected_gaps(report):
+    """What the controls let expect, in words; empty without controls."""
+    parts = []
+    for name, size in report.details.expected.items():
+        factor, shown = shown_gap(name, report.by_observable[name].units)
+        parts.append(f"{observable_name(name)} {number(factor * size, 2)} {shown}".rstrip())
+    return ", ".join(parts)
+
+
+def named(report):
+    """(hypothesis, probability) that the verdict states."""
+    verdict = report.verdict
+    if verdict.kind in (NONE, UNKNOWN):
+        return verdict.kind, verdict.probability[verdict.kind]
+    return ranking(report)[0]
+
+
 def wording(confirmation):
     """The strongest statement that the runs allow."""
     return {
@@ -316,7 +342,7 @@ def headline(report):
     """The verdict in a few words."""
     verdict = report.verdict
     if verdict.kind == NONE:
-        return "No missing effect"
+        return "Nothing has to be added to the model"
     if verdict.kind == UNKNOWN:
         return "A cause outside the catalogue"
     pair = "+".join(sorted(verdict.effects))

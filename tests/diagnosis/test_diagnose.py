@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from toy_laboratory import ToyRunner, film
 
@@ -81,10 +82,16 @@ def test_controls_are_told(by_formula, tmp_path):
         for n, slope in enumerate((10.0, 16.0))
     ]
     one = film(tmp_path / "one", 13.0, swelling=0.05, seed=5)
-    report = fvcollapse.diagnose([one], effects=("cohesion", "gate"), controls=controls, draws=8)
+    out, options = tmp_path / "out", {"effects": ("cohesion", "gate"), "draws": 8}
+    report = fvcollapse.diagnose([one], controls=controls, folder=out, **options)
     assert report.verdict.kind == "none"
     assert report.experiments == ["one"]
     assert any("controls (c0, c1)" in line for line in report.details.limits)
+    assert set(report.details.expected) == set(report.by_observable)  # what was taken off is told
+    assert "let expect of its own errors" in (out / "report.html").read_text(encoding="utf-8")
+    for name, parts in report.details.budget.items():  # sources of a gap add up to its uncertainty
+        total = np.sqrt(sum(sd**2 for sd in parts.values()))
+        assert total == pytest.approx(report.by_observable[name].combined_uncertainty, rel=1e-3)
 
 
 def test_the_truth_is_not_read(by_formula, tmp_path):
@@ -135,8 +142,9 @@ def refused(capsys, *arguments):
 def test_bad_input_is_one_line(folders, tmp_path, capsys):
     one, out = folders[0], tmp_path / "out"
     assert "--effects: found 'walls'" in refused(capsys, one, "--effects", "walls", "--out", out)
-    assert "the name s10_w0.1 twice" in refused(capsys, one, one, "--out", out)
-    assert "the name s10_w0.1 twice" in refused(capsys, one, "--controls", one, "--out", out)
+    assert "it is given twice" in refused(capsys, one, one, "--out", out)
+    assert "it is given twice" in refused(capsys, one, "--controls", one, "--out", out)
+    assert "--seed" in refused(capsys, one, "--seed", "-1", "--out", out)
     assert "no such file" in refused(capsys, tmp_path / "none", "--out", out)
     assert "--cell-size: found 0.1;" in refused(capsys, one, "--cell-size", "0.1", "--out", out)
     assert "--workers" in refused(capsys, one, "--workers", "0", "--out", out)
