@@ -9,7 +9,7 @@
 
 The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
 and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
-after a change of the diagnosis make another one (--out).
+after a change of the diagnosis make another one (--out), and let the old one teach (fit --used-up).
 """
 
 import argparse
@@ -71,6 +71,14 @@ def parse(argv):
     parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
     parser.add_argument("--first", type=int, help="only the first training cases; default all")
     parser.add_argument("--nothing", type=int, default=60, help="further cases of none; default 60")
+    parser.add_argument(
+        "--used-up",
+        metavar="FOLDER",
+        type=Path,
+        nargs="*",
+        default=[],
+        help="--out of blind suites that have been scored: more cases to fit",
+    )
     parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
     parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
     parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
@@ -114,10 +122,10 @@ def options_of(arguments):
     }
 
 
-def compare(arguments, suite):
-    """Evidence of a suite; tells what could not be compared."""
-    out = arguments.out / f"{suite}.evidence"
-    failed = study(arguments.out / suite, out, **options_of(arguments))
+def compare(arguments, folder, suite):
+    """Evidence of a suite in a folder; tells what could not be compared."""
+    out = folder / f"{suite}.evidence"
+    failed = study(folder / suite, out, **options_of(arguments))
     for name, error in failed.items():
         print(f"{name}: {error}", file=sys.stderr)
     return out
@@ -125,11 +133,14 @@ def compare(arguments, suite):
 
 def fit_verdict(arguments):
     """Evidence of the training suite, the verdict layer, and its scores on cases left out."""
+    places = [(arguments.out, name) for name in ("training", "training_none")]
+    places += [(folder, "blind") for folder in arguments.used_up]
     suites = [
-        (compare(arguments, name), arguments.out / f"{name}.labels.json")
-        for name in ("training", "training_none")
+        (compare(arguments, folder, name), folder / f"{name}.labels.json")
+        for folder, name in places
     ]
     about = {"seed": TRAINING_SEED, "per_class": arguments.per_class, "first": arguments.first}
+    about["used_up"] = len(arguments.used_up)
     model = train(suites, about)
     model.save()
     scores = cross_validated(suites)
@@ -152,7 +163,7 @@ def answer_blind_suite(arguments):
     if path.exists():
         allowed = "no answers: a suite is answered once"
         raise InputError(path, "file", "answers that are already there", allowed)
-    evidence = compare(arguments, "blind")
+    evidence = compare(arguments, arguments.out, "blind")
     model = VerdictModel.load()
     if model is None:
         raise InputError(path, "verdict", "no fitted verdict layer", "the step fit before")
