@@ -139,9 +139,9 @@ def test_a_known_effect_wins_and_its_parameter_is_recovered():
     for case in range(40):
         name, u = names[case % 3], rng.uniform(0.3, 1.0, 1)
         gap = -effects[name].at(u) + factor @ rng.standard_normal(len(points))
-        best = comparison.evidence(gap).best
-        won += best.name == name
-        found = comparison.evidence(gap).hypotheses[name]
+        evidence = comparison.evidence(gap)
+        won += evidence.best.name == name
+        found = evidence.hypotheses[name]
         covered += bool(found.low[0] <= u[0] <= found.high[0])
         assert found.variant == (0,)
     assert won >= 38
