@@ -23,6 +23,7 @@ from fvcollapse.effects import CATALOGUE
 
 FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
+AT_BOUND = 1.0e-3  # quantile nearer than which to the end of the range a fit has been stopped by it
 ENDS = 0.002  # quantiles of a value that is told stay inside: some priors have no end
 LIKE_MISCALIBRATION = 0.2  # share of the null test that an effect wins
 CHECK_PASSED = 0.05  # p-value of the predictive check
@@ -247,8 +248,8 @@ def plausible(hypothesis):
 
 
 def is_inside(u):
-    """Whether quantiles lie inside the central 98 %."""
-    return bool(np.all((u > PLAUSIBLE) & (u < 1.0 - PLAUSIBLE)))
+    """Whether quantiles lie inside the central 98 %, at whose ends a fit stops."""
+    return bool(np.all(np.abs(np.asarray(u) - 0.5) < 0.5 - PLAUSIBLE - AT_BOUND))
 
 
 def parameters(closure, quantiles, units):
