@@ -39,6 +39,7 @@ EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 GAP_UNITS = "gap in combined standard uncertainties"
 FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
 OVERLAYS = ("front", "profiles", "interface", "volume")
+NEVER_NEGATIVE = OVERLAYS[:3]
 
 
 class Picture(NamedTuple):
@@ -162,10 +163,11 @@ def draw_models(axes, abscissa, report, one, rows, after, factor):
     before = factor * column(one.simulated[BASELINE])[rows]
     expected = factor * (column(one.measured) + gap_of(one, BASELINE))[rows]
     spread = COVERAGE * factor * column(one.combined)[rows]
+    low = expected - spread
+    if one.observable in NEVER_NEGATIVE:
+        low = np.maximum(low, np.minimum(expected, 0.0))
     band = "before \N{PLUS-MINUS SIGN} 2 combined sd"
-    axes.fill_between(
-        abscissa, expected - spread, expected + spread, color=ORANGE, alpha=0.18, lw=0, label=band
-    )
+    axes.fill_between(abscissa, low, expected + spread, color=ORANGE, alpha=0.18, lw=0, label=band)
     axes.plot(
         abscissa,
         before,

@@ -234,7 +234,7 @@ def none_sentences(report):
     text += "."
     still = [hypothesis_name(name) for name in verdict.set if name != NONE]
     if still:
-        text += f" They do not exclude {listed(still, 'or')}."
+        text += f" The data do not exclude {listed(still, 'or')}."
     if report.where:
         text += " The differences above are of a size that a model without any missing effect shows as well."
     return [text]
