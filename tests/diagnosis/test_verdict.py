@@ -130,6 +130,8 @@ def test_no_probability_is_larger_than_the_number_of_cases_supports(model, fresh
     shares = capped({"arms": 0.999, NONE: 0.001, UNKNOWN: 0.0}, 0.9)
     assert shares == pytest.approx({"arms": 0.9, NONE: 0.1, UNKNOWN: 0.0})
     assert capped({"arms": 1.0, NONE: 0.0}, 0.9) == pytest.approx({"arms": 0.9, NONE: 0.1})
+    tiny = capped({"arms": 1.0, NONE: 3e-17, UNKNOWN: 1e-17}, 0.9)  # below the round-off of 1
+    assert tiny == pytest.approx({"arms": 0.9, NONE: 0.075, UNKNOWN: 0.025})
 
 
 def test_effects_that_were_not_compared_have_no_probability(model):
