@@ -132,7 +132,8 @@ def contenders(analysis, answer):
     """(winner, runner-up) for the ladder: names of hypotheses, None where there is none.
 
     Where nothing is missing there is no winner; where the cause is unknown the best effects of the
-    catalogue show how little they explain.
+    catalogue show how little they explain. A rival lacks something of the winner: with a second effect
+    beside it, it fits what the winner fits.
     """
     ranked = [
         name
@@ -143,4 +144,5 @@ def contenders(analysis, answer):
         return None, None
     pair = "+".join(sorted(answer.effects))
     winner = pair if pair in analysis.evidence.hypotheses else ranked[0]
-    return winner, next((name for name in ranked if name != winner), None)
+    parts = set(winner.split("+"))
+    return winner, next((name for name in ranked if not parts <= set(name.split("+"))), None)

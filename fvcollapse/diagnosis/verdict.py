@@ -591,7 +591,9 @@ def capped(shares, cap):
     name = max(shares, key=shares.get)
     if shares[name] <= cap or len(shares) == 1:
         return shares
-    rest = sum(share for each, share in shares.items() if each != name)  # may be far below round-off of 1
+    rest = sum(
+        share for each, share in shares.items() if each != name
+    )  # may be far below round-off of 1
     others = len(shares) - 1
     return {
         each: cap if each == name else (1.0 - cap) * (share / rest if rest > 0.0 else 1.0 / others)

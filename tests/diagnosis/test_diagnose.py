@@ -123,6 +123,8 @@ def test_who_climbs_the_ladder():
     chance = {"a": 0.6, "b": 0.2, "a+b": 0.1, "none": 0.05, "unknown": 0.05}
     assert contenders(found, answer("effect", ("a",), chance)) == ("a", "b")
     assert contenders(found, answer("several", ("a", "b"), chance)) == ("a+b", "a")
+    paired = {"a": 0.5, "a+b": 0.3, "b": 0.2}  # the pair holds the winner: no rival
+    assert contenders(found, answer("effect", ("a",), paired)) == ("a", "b")
     assert contenders(found, answer("none", (), chance)) == (None, None)
     assert contenders(found, answer("unknown", (), chance)) == ("a", "b")
 
