@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
+from scipy.special import ndtri
 
 from fvcollapse.diagnosis.analysis import ORDER, sensitivities
 from fvcollapse.diagnosis.controls import condition
@@ -261,7 +262,10 @@ class Recalibration:
         return found
 
     def residual(self, parts, count, sigma, rows):
-        """Function of (u, z): whitened gaps, gaps beyond bounds, and z itself."""
+        """Function of (u, z): whitened gaps, gaps beyond bounds, and the priors: z, and u as a standard normal.
+
+        Without its prior a parameter that the data do not see would run along a ridge to its bound.
+        """
         values, bounds = rows & (self.kind == "value"), rows & (self.kind != "value")
         covariance = self.analysis.everything + 0.0
         own = self.analysis.own
@@ -274,7 +278,8 @@ class Recalibration:
             whole = gap + self.change(parts, parameters[:count]) + parameters[count:] @ self.slopes
             white = solve_triangular(factor, whole[values], lower=True, check_finite=False)
             beyond = beyond_bounds(points, whole)[bounds] / deviation
-            return np.concatenate([white, beyond, parameters[count:]])
+            normal = ndtri(parameters[:count])
+            return np.concatenate([white, beyond, normal, parameters[count:]])
 
         return evaluate
 
