@@ -310,8 +310,8 @@ class Whitened:
     def basis(self):
         """Orthonormal basis of the whitened columns; computed once."""
         if self.span is None:
-            if self.columns.shape[1] == 0:
-                self.span = self.columns
+            if 0 in self.columns.shape:  # no effects, or nothing but bounds was measured
+                self.span = self.columns[:, :0]
             else:
                 self.span = span_of(self.columns)
         return self.span

@@ -93,6 +93,18 @@ def test_the_same_data_give_the_same_answer(tmp_path, walls):
     assert again.evidence.log_evidence() == pytest.approx(walls.evidence.log_evidence())
 
 
+def test_bounds_alone_can_be_diagnosed(tmp_path):
+    """As of the paper's experiments: the runout is less than something, nothing else is known."""
+    folder = film(tmp_path / "bounds")
+    for name in ("front", "profiles", "volume", "interface"):
+        (folder / f"{name}.csv").unlink()
+    text = "name,value,sigma,kind\nrunout,0.9,0.01,upper\n"
+    (folder / "scalars.csv").write_text(text, encoding="utf-8")
+    found = analyse([load_experiment(folder)], ToyRunner(), effects=("lateral_friction", "gate"))
+    assert found.evidence.hypotheses["none"].p_value > 0.05
+    assert set(found.evidence.hypotheses) >= {"none", "unknown", "lateral_friction"}
+
+
 def test_two_experiments_of_one_name_are_refused(tmp_path):
     one = load_experiment(film(tmp_path / "a" / "same"))
     two = load_experiment(film(tmp_path / "b" / "same"))
