@@ -3,6 +3,8 @@
 import time
 from pathlib import Path
 
+import numpy as np
+
 from fvcollapse.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
@@ -15,6 +17,10 @@ from fvcollapse.diagnosis.report_page import write_page
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.experiment import Experiment, load_experiment
+
+FILMED = (
+    50  # measured values from which the verdict layer is asked: it was fitted to films of hundreds
+)
 
 
 def diagnose(
@@ -93,6 +99,8 @@ def diagnose(
         draws=draws,
         seed=seed,
     )
+    if np.count_nonzero(analysis.points.kind == "value") < FILMED:
+        model = None
     answer = verdict(analysis.evidence, model, analysis.separability)
     winner, runner_up = contenders(analysis, answer)
     ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)

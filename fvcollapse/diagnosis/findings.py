@@ -569,7 +569,7 @@ def model_words(analysis, model):
     if model is None or not model.covers(analysis.evidence):
         return (
             "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
-            "to these effects, or controls were given, without which it was fitted."
+            "to these effects, to controls, or to so few measured values."
         )
     words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "

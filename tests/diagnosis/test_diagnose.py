@@ -76,6 +76,18 @@ def test_nothing_hidden_needs_no_effect(by_formula, tmp_path):
     assert any("No experiment was held out" in line for line in report.details.limits)
 
 
+def test_a_few_numbers_are_not_judged_by_a_layer_fitted_to_films(by_formula, tmp_path):
+    folder = film(tmp_path / "numbers")
+    for name in ("front", "profiles", "volume", "interface"):
+        (folder / f"{name}.csv").unlink()
+    text = "name,value,sigma,kind\nrunout,0.7,0.01,value\nfinal_height,0.11,0.005,value\n"
+    (folder / "scalars.csv").write_text(text, encoding="utf-8")
+    report = fvcollapse.diagnose([folder], effects=("lateral_friction", "gate"), draws=8)
+    assert any("so few measured values" in line for line in report.details.limits)
+    assert all(one.conformal_p is None for one in report.details.hypotheses.values())
+    assert max(report.verdict.probability.values()) <= 0.9
+
+
 def test_controls_are_told(by_formula, tmp_path):
     controls = [
         film(tmp_path / f"c{n}", slope, swelling=0.05, seed=n)
