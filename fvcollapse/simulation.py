@@ -43,9 +43,7 @@ from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_w
 from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
-CHANGE_LIMIT = (
-    0.1  # change of the last sweep above which a step is refused, relative to the largest speed
-)
+CHANGE_LIMIT = 0.1  # change of the last sweep, relative to the largest speed, that refuses a step
 # of sqrt(g h0): slower grains may stall, by a tenth of this speed; behind an opening gate neither shorter steps
 # (down to 2e-6 s) nor 200 sweeps make them converge, and nothing of it is left after 0.1 s
 SLOW = 0.1

@@ -135,6 +135,15 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
     return folder
 
 
+def only_numbers(folder, *rows):
+    """The experiment without its curves, and with these rows of `scalars.csv`."""
+    for name in FORMS:
+        (folder / f"{name}.csv").unlink()
+    text = "\n".join(("name,value,sigma,kind", *rows, ""))
+    (folder / "scalars.csv").write_text(text, encoding="utf-8")
+    return folder
+
+
 def settings(slope, width):
     """`experiment.toml` of a set-up."""
     return f"""title = "toy, {slope:g} deg"

@@ -5,8 +5,7 @@ and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with
 between runs whose set-ups are D apart, S one factor for each observable. What a model leaves out depends on
 the set-up: the same column on the same slope is missed by the same amount, however badly. The factors and
 rho are those that make the gaps of the controls most probable. Given these gaps, the discrepancy of
-another run has a mean and a covariance
-(Gaussian conditioning): with them it is judged.
+another run has a mean and a covariance (Gaussian conditioning): with them it is judged.
 
 References
 ----------
@@ -29,13 +28,16 @@ from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 # change of volume, of which its parameters know nothing
 FACTOR_MEDIAN, FACTOR_SPREAD = 0.3, 3.0
 SLOPE_APART = 6.0  # degrees that are one unit of D
-SIZE_APART = (
-    0.5  # one unit, of the logarithms of height and length, of height / width and of the gate
-)
+SIZE_APART = 0.5  # one unit, of ln height, ln length, height / width and of the gate
 FRICTION_APART = 0.1  # one unit, of the friction of grains, bed and back wall
 SLOWEST_GATE = 5.0  # sqrt(g height) over its speed, as far as that counts
-IN_NUMBERS = ("slope_angle_deg", "height_0", "length_0", "channel_width")
 # (the units are chosen, not learned: two controls tell one distance)
+IN_NUMBERS = (
+    "slope_angle_deg",
+    "height_0",
+    "length_0",
+    "channel_width",
+)  # the rest is alike or not
 REPEATED = 0.98  # correlation of two runs of the same set-up: the packing is never the same
 CORRELATIONS = (0.02, 0.98)  # range of rho
 CORRELATION_SPREAD = 1.5  # of its logit

@@ -18,9 +18,7 @@ from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.experiment import Experiment, load_experiment
 
-FILMED = (
-    50  # measured values from which the verdict layer is asked: it was fitted to films of hundreds
-)
+FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
 
 
 def diagnose(

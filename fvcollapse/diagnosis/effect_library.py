@@ -14,6 +14,7 @@ import zlib
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, inf, sqrt
 from typing import NamedTuple
 
@@ -452,8 +453,8 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
         points=reading.points,
         experiments=tuple(experiments),
         cases=cases,
-        coarse=reading.vector("coarse", None),
-        fine=reading.vector("fine", None),
+        coarse=reading.coarse,
+        fine=reading.fine,
         seen={one.name: reading.seen["fine", None, one.name] for one in everyone},
         quantities=quantities,
         draws=np.array(realised),
@@ -521,8 +522,18 @@ class Reading:
 
     def __init__(self, points, seen, failures):
         self.points, self.seen, self.failures = points, seen, failures
-        self.corrections = {}
         self.parts = {one.name: choose_points((one,)) for one in points.experiments}
+        self.corrections = {}
+
+    @cached_property
+    def coarse(self):
+        """Baseline on the coarser grid, (N,)."""
+        return self.vector("coarse", None)
+
+    @cached_property
+    def fine(self):
+        """Baseline on the finer grid, (N,)."""
+        return self.vector("fine", None)
 
     def vector(self, what, number, base=None):
         """(N,) of the runs of one label; where it was not run for an experiment, `base` there.
@@ -557,17 +568,15 @@ class Reading:
             raise NumericalError(f"{what}, the last: {failure}")
         return np.array(samples), kept
 
-    def correction(self, key, level):
-        """The `GridCorrection` of a closure from its level on both grids.
+    def correction(self, key, reference):
+        """The `GridCorrection` of a closure whose response at the level of reference is known on the coarser grid.
 
         Raises
         ------
         NumericalError
-            One of its two runs failed.
+            Its run on the finer grid failed.
         """
-        coarse, fine = self.vector("coarse", None), self.vector("fine", None)
-        reference = self.vector(key, level, coarse) - coarse
-        change = self.vector(key, "fine", fine) - fine - reference
+        change = self.vector(key, "fine", self.fine) - self.fine - reference
         return GridCorrection(reference, change, 1.0 / self.points.sigma)
 
     def response(self, number, closure):
@@ -578,21 +587,23 @@ class Reading:
         NumericalError
             Too many of its runs failed.
         """
-        base, key = self.vector("coarse", None), (closure.effect, number)
-        levels, differences, failure = [], [], None
-        for n, u in enumerate(closure.levels()):
+        key, levels = (closure.effect, number), closure.levels()
+        differences, failure = {}, None
+        for n in range(len(levels)):
             try:
-                differences.append(self.vector(key, n, base) - base)
-                levels.append(u)
+                differences[n] = self.vector(key, n, self.coarse) - self.coarse
             except NumericalError as error:
                 failure = error
-        wanted = len(closure.levels())
-        if len(levels) < max(2, (1.0 - FAILED_LEVELS) * wanted):
-            raise NumericalError(f"{wanted - len(levels)} of its {wanted} runs fail: {failure}")
-        with suppress(NumericalError):
-            self.corrections[key] = self.correction(key, reference_level(closure.levels()))
-            differences = [self.corrections[key](each) for each in differences]
-        return Response.fit(levels, np.array(differences))
+        if len(differences) < max(2, (1.0 - FAILED_LEVELS) * len(levels)):
+            failed = len(levels) - len(differences)
+            raise NumericalError(f"{failed} of its {len(levels)} runs fail: {failure}")
+        correct = np.asarray  # as they are, unless one level ran on both grids
+        if (reference := differences.get(reference_level(levels))) is not None:
+            with suppress(NumericalError):
+                correct = self.corrections[key] = self.correction(key, reference)
+        return Response.fit(
+            levels[list(differences)], np.array([*map(correct, differences.values())])
+        )
 
     def shows(self, name, responses, left_out):
         """Whether an effect changes anything that was measured; if not, say so in `left_out`."""

@@ -530,7 +530,7 @@ def limits(analysis, ladder):
         words.append(f"Calibrated parameters that are off look like: {', '.join(like)}.")
     if ladder.held_out is None:
         words.append("No experiment was held out, so no cause can be confirmed.")
-    words += [far_words(ladder, model) for model in ladder.fits if far_off(ladder, model)]
+    words += far_words(ladder)
     if analysis.controls:
         words.append(control_words(analysis))
         if ladder.held_out is not None:
@@ -545,23 +545,24 @@ def limits(analysis, ladder):
     return words + [f"A run of the ladder failed: {failure}." for failure in ladder.failures]
 
 
-def far_off(ladder, model):
-    """{key: standard deviations} of the parameters that the re-calibration of a model moved by more than two."""
-    if model == BASELINE:
-        return {}
-    pairs = zip(ladder.quantities, ladder.fits[model].z, strict=True)
-    return {quantity.key: z for quantity, z in pairs if abs(z) > FAR}
-
-
-def far_words(ladder, model):
-    """What was moved farther than it is believed to be uncertain."""
-    moved = ", ".join(f"{key} by {z:+.1f}" for key, z in far_off(ladder, model).items())
+def far_words(ladder):
+    """One sentence for each model whose re-calibration moved a parameter by more than two standard deviations."""
     names = {
         RECALIBRATED: "The re-calibration without any effect",
         WINNER: "That with the first effect",
+        RUNNER_UP: "That with the second effect",
     }
-    name = names.get(model, "That with the second effect")
-    return f"{name} moves {moved} standard deviations of what was believed (3 are allowed)."
+    words = []
+    for model, name in names.items():
+        if model not in ladder.fits:
+            continue
+        pairs = zip(ladder.quantities, ladder.fits[model].z, strict=True)
+        moved = ", ".join(f"{quantity.key} by {z:+.1f}" for quantity, z in pairs if abs(z) > FAR)
+        if moved:
+            words.append(
+                f"{name} moves {moved} standard deviations of what was believed (3 are allowed)."
+            )
+    return words
 
 
 def model_words(analysis, model):

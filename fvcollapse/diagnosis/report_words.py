@@ -253,10 +253,9 @@ def unknown_sentences(report):
 def cause_sentence(report):
     """The effect, its meaning and probability, and who comes next."""
     verdict = report.verdict
-    pair = "+".join(sorted(verdict.effects))
-    first = pair if pair in verdict.probability else verdict.effects[0]
-    chance = percent(verdict.probability[first])
-    if verdict.kind == "several" and first != pair:
+    first, share = named(report)
+    chance = percent(share)
+    if verdict.kind == "several" and "+" not in first:
         names = listed((hypothesis_name(name) for name in verdict.effects), "or")
         chances = listed(percent(verdict.probability[name]) for name in verdict.effects)
         return f"These data leave more than one cause open: {names} (probabilities {chances})."
@@ -316,9 +315,9 @@ def expected_gaps(report):
 def named(report):
     """(hypothesis, probability) that the verdict states."""
     verdict = report.verdict
-    if verdict.kind in (NONE, UNKNOWN):
-        return verdict.kind, verdict.probability[verdict.kind]
-    return ranking(report)[0]
+    pair = "+".join(sorted(verdict.effects)) or verdict.kind
+    name = pair if pair in verdict.probability else verdict.effects[0]
+    return name, verdict.probability[name]
 
 
 def wording(confirmation):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from fake_points import fake_points
-from toy_laboratory import ToyRunner, film
+from toy_laboratory import ToyRunner, film, only_numbers
 
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse, sensitivities, set_up_covariance
@@ -95,11 +95,7 @@ def test_the_same_data_give_the_same_answer(tmp_path, walls):
 
 def test_bounds_alone_can_be_diagnosed(tmp_path):
     """As of the paper's experiments: the runout is less than something, nothing else is known."""
-    folder = film(tmp_path / "bounds")
-    for name in ("front", "profiles", "volume", "interface"):
-        (folder / f"{name}.csv").unlink()
-    text = "name,value,sigma,kind\nrunout,0.9,0.01,upper\n"
-    (folder / "scalars.csv").write_text(text, encoding="utf-8")
+    folder = only_numbers(film(tmp_path / "bounds"), "runout,0.9,0.01,upper")
     found = analyse([load_experiment(folder)], ToyRunner(), effects=("lateral_friction", "gate"))
     assert found.evidence.hypotheses["none"].p_value > 0.05
     assert set(found.evidence.hypotheses) >= {"none", "unknown", "lateral_friction"}

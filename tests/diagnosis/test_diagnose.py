@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from toy_laboratory import ToyRunner, film
+from toy_laboratory import ToyRunner, film, only_numbers
 
 import fvcollapse
 from fvcollapse import load_experiment
@@ -77,11 +77,8 @@ def test_nothing_hidden_needs_no_effect(by_formula, tmp_path):
 
 
 def test_a_few_numbers_are_not_judged_by_a_layer_fitted_to_films(by_formula, tmp_path):
-    folder = film(tmp_path / "numbers")
-    for name in ("front", "profiles", "volume", "interface"):
-        (folder / f"{name}.csv").unlink()
-    text = "name,value,sigma,kind\nrunout,0.7,0.01,value\nfinal_height,0.11,0.005,value\n"
-    (folder / "scalars.csv").write_text(text, encoding="utf-8")
+    rows = "runout,0.7,0.01,value", "final_height,0.11,0.005,value"
+    folder = only_numbers(film(tmp_path / "numbers"), *rows)
     report = fvcollapse.diagnose([folder], effects=("lateral_friction", "gate"), draws=8)
     assert any("so few measured values" in line for line in report.details.limits)
     assert all(one.conformal_p is None for one in report.details.hypotheses.values())
