@@ -15,12 +15,13 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.stats import chi2
 
-from fvcollapse.blind.generator import NONE, TRAINING, UNKNOWN, draw_pair, known_effects
+from fvcollapse.blind.generator import BLIND, NONE, TRAINING, UNKNOWN, draw_pair, known_effects
 from fvcollapse.blind.make import make, read_json, read_labels
 from fvcollapse.blind.metrics import NAMED, Outcome, all_scores
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.grain_budget import Budget
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
@@ -152,9 +153,15 @@ def summary(analysis):
             name: kept_hypothesis(analysis, each)
             for name, each in analysis.evidence.hypotheses.items()
         },
+        "budget": kept_budget(analysis.evidence.budget),
         "classes": [list(group) for group in analysis.separability.classes],
         "simple": {"chi_square": chi_square(analysis), "signature": signature(analysis)},
     }
+
+
+def kept_budget(budget):
+    """A `Budget` as plain values, None if there is none."""
+    return budget and [part.tolist() for part in budget]
 
 
 def kept_hypothesis(analysis, hypothesis):
@@ -201,9 +208,10 @@ def read_evidence(path):
             )
             for name, each in content["hypotheses"].items()
         }
+        budget = content["budget"] and Budget(*map(np.array, content["budget"]))
     except (KeyError, TypeError) as error:
         raise InputError(path, "hypotheses", f"no {error}", f"a {FORMAT} file") from None
-    return content, Evidence(found)
+    return content, Evidence(found, budget)
 
 
 # -- answers that take less thought ------------------------------------------------------------------------
@@ -306,12 +314,20 @@ def read_suite(out, labels):
 def train(suites, about=None):
     """The `VerdictModel` of one or more suites.
 
+    Kinds of unknown that blind suites hide are left out of one that is used up: the next has them too.
+
     Parameters
     ----------
     suites : sequence of (str or Path, str or Path)
         Folder of the evidence, and labels, of each.
     """
-    return fit_to([pair for suite in suites for pair in read_suite(*suite).values()], about)
+    pairs = [pair for suite in suites for pair in read_suite(*suite).values()]
+    return fit_to([pair for pair in pairs if may_teach(pair)], about)
+
+
+def may_teach(pair):
+    """Whether an (Evidence, entry of the labels) hides no kind of unknown that is kept for blind suites."""
+    return pair[1]["label"]["unknown_kind"] not in BLIND.unknowns
 
 
 def fit_to(pairs, about=None):
@@ -407,7 +423,8 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
             part[members] = folds + sorted({k for _, k in groups if k}).index(kind)
     outcomes = []
     for number in np.unique(part):
-        model = fit_to([pair for pair, own in zip(cases, part, strict=True) if own != number])
+        others = [pair for pair, own in zip(cases, part, strict=True) if own != number]
+        model = fit_to([pair for pair in others if may_teach(pair)])
         for (evidence, entry), own in zip(cases, part, strict=True):
             if own == number:
                 found, label = verdict(evidence, model), entry["label"]

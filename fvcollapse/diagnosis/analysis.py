@@ -4,7 +4,7 @@ With controls, experiments in which nothing is hidden, all gaps are judged after
 their expected discrepancy is subtracted, its covariance is part of U.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,7 @@ from fvcollapse.diagnosis.effect_library import (
 )
 from fvcollapse.diagnosis.evidence import Comparison
 from fvcollapse.diagnosis.gap_map import gap_map
+from fvcollapse.diagnosis.grain_budget import grain_budget
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import null_test, separability
 
@@ -216,6 +217,7 @@ def compare_library(library, experiments, controls=(), seed=0):
     rng = np.random.default_rng([seed, 1])
     responses = own_responses(library.responses, own)
     comparison = Comparison(covariance, kernel[own, own], responses, points)
+    evidence = comparison.evidence(compared + expected[own] - points.measured)
     return Analysis(
         experiments=experiments,
         controls=controls,
@@ -232,7 +234,7 @@ def compare_library(library, experiments, controls=(), seed=0):
         everything=everything,
         gap_map=gap_map(points, compared, covariance, rng),
         comparison=comparison,
-        evidence=comparison.evidence(compared + expected[own] - points.measured),
+        evidence=replace(evidence, budget=grain_budget(experiments)),
         seed=seed,
     )
 

@@ -383,6 +383,8 @@ class Details(Part):
     shares : list of Share
     budget : dict
         Observable -> source of uncertainty -> root mean square standard deviation in its units.
+    grains : list of str
+        What is wrong with the mass balance of the measured profiles, one sentence each.
     hypotheses : dict
         Name -> `Hypothesis`, "none" and "unknown" among them.
     separability : Separability or None
@@ -400,6 +402,7 @@ class Details(Part):
     comparisons: list[Comparison] = []
     shares: list[Share] = []
     budget: dict[str, dict[str, float]] = {}
+    grains: list[str] = []
     hypotheses: dict[str, Hypothesis] = {}
     separability: Separability | None = None
     ladder: list[Rung] = []

@@ -186,7 +186,7 @@ def region_words(region):
 def answer(report):
     """The sentences of the answer, the most important first."""
     kind = report.verdict.kind
-    sentences = [where_sentence(report)]
+    sentences = [where_sentence(report), *report.details.grains]
     if kind == NONE:
         sentences += none_sentences(report)
     elif kind == UNKNOWN:

@@ -11,6 +11,11 @@ verdict leaves open all hypotheses that are as probable as nine in ten true caus
 in every case). "none" is judged among the cases without an effect and given up at 5 % only, so that one of
 them in twenty raises a false alarm.
 
+Two things are no features but odds of their own, known before any fit: what the grains that are in view say
+(`grain_budget`: no effect but a view from a side can change them, some of what is unknown can), and how far
+something unknown is ahead of all else. (With them unknown causes of kinds that were never seen are found in
+62 % of 72 cases instead of 44 %, and a wrong scale of lengths in 7 of 12 instead of none.)
+
 The fitted model is a small JSON file of the package. It knows nothing of a discrepancy that controls have
 taught: with them (on particle collapses in which nothing is hidden it named unknown and an effect of
 the view) and without a model evidences are tempered by
@@ -33,15 +38,19 @@ import numpy as np
 from scipy.optimize import minimize
 
 from fvcollapse.case_keys import read_text
+from fvcollapse.diagnosis.grain_budget import VIEW, WRONG
 from fvcollapse.errors import InputError
 from fvcollapse.files import write_atomic
 from fvcollapse.fingerprint import solver_version
 
-FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 2
+FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3
 SHIPPED = Path(__file__).with_name("verdict_model.json")
 NONE, UNKNOWN, SEVERAL = "none", "unknown", "several"
 # probability of each class before any data; single effects share the rest
 PRIOR = {NONE: 0.25, UNKNOWN: 0.15, SEVERAL: 0.05}
+# probability that the grains in view change, and how; all others conserve them
+VIEW_EFFECT = "transverse_profile"
+BUDGETS = {VIEW_EFFECT: (1.0, VIEW), UNKNOWN: (0.2, WRONG), SEVERAL: (1.0 / 6.0, VIEW)}
 KEPT = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_KEPT = 0.05  # and from which "none" is not given up
 TEMPERATURE = 10.0  # without a model
@@ -133,7 +142,7 @@ def features(evidence, classes):
     none, unknown = found[NONE], found[UNKNOWN]
     best_sigma, best_outside = shape_of(best)
     none_sigma, none_outside = shape_of(none)
-    gain = judged[SEVERAL].log_evidence - best.log_evidence if pairs else 0.0
+    gain = judged[SEVERAL].log_evidence - top if pairs else 0.0
     values = {
         "best_outside": best_outside,
         "best_sigma": best_sigma,
@@ -162,6 +171,30 @@ def signed_log(value):
 def class_of(cause):
     """Class of a cause: two effects together are one class."""
     return SEVERAL if "+" in cause else cause
+
+
+def known_logits(evidence, names):
+    """Logarithms (K,) of odds of hypotheses or classes that need no fit.
+
+    Those that they give to the measured budget of grains, and, where the evidence of something unknown is ahead of
+    all others, by how much: tempered, for among 419 synthetic cases whose cause is of the catalogue one is so.
+    """
+    found = np.array([budget_logit(evidence.budget, name) for name in names])
+    if UNKNOWN in names:
+        logs = evidence.log_evidence()
+        ahead = logs[UNKNOWN] - max(value for name, value in logs.items() if name != UNKNOWN)
+        found[names.index(UNKNOWN)] += max(ahead, 0.0) / TEMPERATURE
+    return found
+
+
+def budget_logit(budget, name):
+    """Logarithm of the odds of a budget if a hypothesis acts; 0 if it conserves the grains, and without a budget."""
+    part = VIEW_EFFECT if VIEW_EFFECT in name.split("+") else name
+    if budget is None or part not in BUDGETS:
+        return 0.0
+    share, spread = BUDGETS[part]
+    changed = np.log(share) + budget.log_odds(spread)
+    return float(changed if share == 1.0 else np.logaddexp(np.log1p(-share), changed))
 
 
 # -- the model -----------------------------------------------------------------------------------
@@ -237,7 +270,10 @@ class VerdictModel:
             standardised(own, self.mean, self.scale),
             standardised(case, self.case_mean, self.case_scale),
         )
-        shares = softmax(logits(*table, compared, self.slopes, self.case_slopes, self.intercept))
+        offset = known_logits(evidence, self.classes)
+        shares = softmax(
+            logits(*table, offset, compared, self.slopes, self.case_slopes, self.intercept)
+        )
         pairs = zip(self.classes, shares.tolist(), compared, strict=True)
         return {name: share for name, share, own in pairs if own}
 
@@ -281,9 +317,12 @@ def standardised(values, mean, scale):
     return np.nan_to_num(np.clip((values - mean) / scale, -FARTHEST, FARTHEST))
 
 
-def logits(own, case, compared, slopes, case_slopes, intercept):
-    """Logits (..., K) of standardised features (..., K, p) and (..., q); -inf where nothing was compared."""
-    values = (own * slopes).sum(axis=-1) + case @ case_slopes.T + intercept
+def logits(own, case, offset, compared, slopes, case_slopes, intercept):
+    """Logits (..., K) of standardised features (..., K, p) and (..., q) and of budgets (..., K).
+
+    -inf where nothing was compared.
+    """
+    values = (own * slopes).sum(axis=-1) + case @ case_slopes.T + intercept + offset
     return np.where(compared, values, -np.inf)
 
 
@@ -324,6 +363,7 @@ def fit(suite, effects, about=None, kinds=None):
     table = Table(
         standardised(own, mean, scale),
         standardised(case, case_mean, case_scale),
+        np.array([known_logits(evidence, classes) for evidence, _ in suite]),
         ~np.isnan(own[:, :, 0]),
         np.array([classes.index(name) for name in truth]),
     )
@@ -346,10 +386,11 @@ def fit(suite, effects, about=None, kinds=None):
 
 
 class Table(NamedTuple):
-    """Standardised features of m cases: (m, K, p), (m, q), what was compared (m, K), true class (m,)."""
+    """Standardised features of m cases (m, K, p), (m, q), budgets and what was compared (m, K), true class (m,)."""
 
     own: np.ndarray
     case: np.ndarray
+    offset: np.ndarray
     compared: np.ndarray
     truth: np.ndarray
 
@@ -403,9 +444,7 @@ def regression(table, classes):
 
     def loss(values):
         shared, own, case, intercept = unpacked(values)
-        shares = softmax(
-            logits(table.own, table.case, table.compared, effect * shared + own, case, intercept)
-        )
+        shares = softmax(logits(*table[:-1], effect * shared + own, case, intercept))
         value = -weights @ np.log(np.maximum(shares[rows, table.truth], 1.0e-300))
         shares[rows, table.truth] -= 1.0
         shares *= weights[:, None]
@@ -445,7 +484,7 @@ def out_of_fold(table, classes, kinds=None, seed=0):
     for number in range(FOLDS):
         own = table.of(fold == number)
         found = regression(table.of(fold != number), classes)
-        shares = softmax(logits(own.own, own.case, own.compared, *found))
+        shares = softmax(logits(*own[:-1], *found))
         scores[fold == number] = 1.0 - shares[np.arange(len(own.truth)), own.truth]
     return scores
 
@@ -554,6 +593,7 @@ def tempered(evidence, separability):
     pairs = sum("+" in name for name in names)
     logs = [found[name].log_evidence / TEMPERATURE for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
+    logs += [budget_logit(evidence.budget, name) for name in names]
     shares = dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
     probability = in_order(capped(shares, CAP))
     kept, total = [], 0.0
@@ -581,6 +621,7 @@ def named(evidence, shares):
     pairs = {name: each for name, each in evidence.hypotheses.items() if "+" in name}
     if SEVERAL in shares:
         logs = np.array([each.log_evidence for each in pairs.values()]) / PAIR_TEMPERATURE
+        logs += [budget_logit(evidence.budget, name) for name in pairs]
         parts = shares[SEVERAL] * softmax(logs)
         probability |= dict(zip(pairs, parts.tolist(), strict=True))
     return probability

@@ -17,6 +17,7 @@ from fvcollapse.blind.suite import (
     design_of,
     distances,
     make_training,
+    may_teach,
     read_evidence,
     study,
     train,
@@ -200,3 +201,8 @@ def test_a_training_suite_holds_every_class(monkeypatch):
     assert all(classes.count(name) == 10 for name in suites.known_effects())
     assert classes.count("none") == classes.count("unknown") == 15
     assert sum("+" in name for name in classes) == 10
+
+
+def test_kinds_of_unknown_that_blind_suites_hide_are_not_learned():
+    for kinds, taught in ((BLIND.unknowns, False), ((None, *TRAINING.unknowns), True)):
+        assert all(may_teach((None, {"label": {"unknown_kind": kind}})) == taught for kind in kinds)

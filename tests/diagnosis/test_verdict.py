@@ -1,11 +1,13 @@
 """Verdicts: calibrated on cases like the fitted ones, honest about the rest, and never from a pickle."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.grain_budget import Budget
 from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import (
     CAP,
@@ -15,6 +17,7 @@ from fvcollapse.diagnosis.verdict import (
     SEVERAL,
     UNKNOWN,
     VerdictModel,
+    budget_logit,
     capped,
     class_of,
     class_prior,
@@ -159,7 +162,7 @@ def test_features_by_hand():
     np.testing.assert_allclose(own[:, 1], np.clip(behind, -20.0, 20.0))
     np.testing.assert_allclose(own[0, 2:], np.log([0.2, 0.5]))
     found = dict(zip(CASE_FEATURES, case, strict=True))
-    assert found["pair_gain"] == pytest.approx(np.log(5.0))
+    assert found["pair_gain"] == pytest.approx(np.log(5.0))  # over the best of the others
     assert found["above_none"] == pytest.approx(np.log(4.0))
     assert found["above_unknown"] == pytest.approx(np.log(81.0))
     assert found["best_outside"] == pytest.approx(np.log(0.5))
@@ -244,3 +247,27 @@ def test_a_class_of_two_effects_is_one(model):
     assert SEVERAL in model.classes
     assert class_of("arms+bars") == SEVERAL
     assert class_of("arms") == "arms"
+
+
+def test_grains_that_no_motion_can_explain_point_outside_the_catalogue(model):
+    logs = {"arms": 0.0, "bars": -30.0, NONE: -70.0, UNKNOWN: -30.0}
+    evidence = evidence_of(logs, {NONE: 1e-9})
+    for shift, kind in ((0.0, "effect"), (0.09, UNKNOWN)):
+        budget = Budget(np.array([shift, 0.0]), np.diag([0.012, 0.015]) ** 2)
+        for each in (model, None):
+            assert verdict(replace(evidence, budget=budget), each).kind == kind
+
+
+def test_a_view_may_change_the_grains_in_view_and_other_effects_may_not():
+    stretched = Budget(np.array([0.0, -0.1]), np.diag([0.012, 0.015]) ** 2)
+    assert budget_logit(stretched, "transverse_profile") > 15.0
+    assert budget_logit(stretched, "gate+transverse_profile") > 15.0
+    assert budget_logit(stretched, "gate") == budget_logit(None, "transverse_profile") == 0.0
+    wrong = stretched._replace(mean=np.array([0.06, 0.0]))
+    assert budget_logit(wrong, UNKNOWN) > 4.0
+    assert budget_logit(stretched, UNKNOWN) < 0.0
+
+
+def test_something_unknown_that_is_far_ahead_is_named(model):
+    logs = {"arms": -900.0, "bars": -950.0, NONE: -2000.0, UNKNOWN: 0.0, "arms+bars": -400.0}
+    assert verdict(evidence_of(logs, {NONE: 0.0}), model).kind == UNKNOWN
