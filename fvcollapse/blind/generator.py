@@ -13,10 +13,10 @@ import numpy as np
 from fvcollapse.blind.measurement import Errors
 from fvcollapse.blind.outside import UNKNOWNS
 from fvcollapse.case import Case
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects import CATALOGUE, NUISANCE
 from fvcollapse.errors import CaseError
 
-NONE, UNKNOWN = "none", "unknown"
 TRIES = 200  # of values that fit together
 QUANTILES = (0.02, 0.98)  # of the priors, from which causes are drawn
 ROUGHNESS = 0.02  # model-form error: standard deviation of the friction along the bed, relative

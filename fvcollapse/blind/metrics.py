@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import beta, binomtest
 
-NONE, UNKNOWN = "none", "unknown"
-NAMED = ("effect", "several")  # verdicts that name a cause
+from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
+
 CONFIDENT = 0.9
 LEAST_PROBABILITY = 1.0e-4  # for the logarithm: an answer of zero is not punished without end
 SAMPLES = 2000

@@ -19,9 +19,6 @@ from fvcollapse.blind.make import (
     read_labels,
 )
 from fvcollapse.blind.metrics import (
-    NAMED,
-    NONE,
-    UNKNOWN,
     Outcome,
     all_scores,
     class_of,
@@ -31,6 +28,7 @@ from fvcollapse.blind.metrics import (
     reduction_scores,
 )
 from fvcollapse.case_keys import closest_name, read_text
+from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
 from fvcollapse.effects import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files import write_atomic
@@ -296,7 +294,7 @@ def verdict_for(name):
     """The verdict that goes with a name."""
     if name in (NONE, UNKNOWN):
         return name
-    return "several" if "+" in name else "effect"
+    return SEVERAL if "+" in name else EFFECT
 
 
 def summary(outcomes, other):

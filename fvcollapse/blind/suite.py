@@ -15,13 +15,14 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.stats import chi2
 
-from fvcollapse.blind.generator import BLIND, NONE, TRAINING, UNKNOWN, draw_pair, known_effects
+from fvcollapse.blind.generator import BLIND, TRAINING, draw_pair, known_effects
 from fvcollapse.blind.make import make, read_json, read_labels
-from fvcollapse.blind.metrics import NAMED, Outcome, all_scores
+from fvcollapse.blind.metrics import Outcome, all_scores
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.grain_budget import Budget
+from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
@@ -31,7 +32,7 @@ from fvcollapse.fingerprint import solver_version
 from fvcollapse.workers import run_all
 
 FORMAT = "fvcollapse-evidence"
-SHARES = {NONE: 1.5, UNKNOWN: 1.5, "several": 1.0}  # cases of a class over those of an effect
+SHARES = {NONE: 1.5, UNKNOWN: 1.5, SEVERAL: 1.0}  # cases of a class over those of an effect
 QUANTILE_ENDS = 0.002  # of parameters that are told: some priors have no end
 LEVEL = 0.01  # p-value of the chi-square baseline
 BASELINE_PROBABILITY = 0.9  # that the simple answers give to what they name
@@ -295,7 +296,7 @@ def make_training(per_class, folder, seed, labels=None, first=None, **options):
     counts = {name: round(share * per_class) for name, share in SHARES.items()}
     classes += [NONE] * counts[NONE] + [UNKNOWN] * counts[UNKNOWN]
     rng = np.random.default_rng([seed, 1])
-    classes += [draw_pair(rng) for _ in range(counts["several"])]
+    classes += [draw_pair(rng) for _ in range(counts[SEVERAL])]
     classes = rng.permutation(classes).tolist()[:first]
     style = options.pop("style", TRAINING)
     return make(len(classes), folder, labels, style=style, classes=classes, seed=seed, **options)
@@ -388,7 +389,7 @@ def simple_answer(name, evidence):
     """An answer that names one hypothesis."""
     others = [each for each in evidence.hypotheses if each != name and "+" not in each]
     share = (1.0 - BASELINE_PROBABILITY) / len(others)
-    kind = name if name in (NONE, UNKNOWN) else NAMED[0]
+    kind = name if name in (NONE, UNKNOWN) else EFFECT
     probability = {name: BASELINE_PROBABILITY} | dict.fromkeys(others, share)
     return {"verdict": kind, "probability": probability, "set": [name]}
 

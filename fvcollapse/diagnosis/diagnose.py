@@ -9,10 +9,11 @@ from fvcollapse.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
 from fvcollapse.diagnosis.findings import report_of
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.reduction import climb
-from fvcollapse.diagnosis.report import NONE, UNKNOWN, Cost, read_report, write_report
+from fvcollapse.diagnosis.report import Cost, read_report, write_report
 from fvcollapse.diagnosis.report_page import write_page
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError, OutputError
@@ -86,7 +87,6 @@ def diagnose(
     if folder is not None:
         make_folder(folder)
     runner = Runner(cache, workers, scheduler, quiet)
-    model = None if controls else VerdictModel.load()  # it was fitted without controls
     analysis = analyse(
         experiments,
         runner,
@@ -97,8 +97,7 @@ def diagnose(
         draws=draws,
         seed=seed,
     )
-    if np.count_nonzero(analysis.points.kind == "value") < FILMED:
-        model = None
+    model = calibrated(analysis)
     answer = verdict(analysis.evidence, model, analysis.separability)
     winner, runner_up = contenders(analysis, answer)
     ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)
@@ -117,6 +116,13 @@ def diagnose(
         report = read_report(write_report(report, folder))
         write_page(report, folder)
     return report
+
+
+def calibrated(analysis):
+    """The verdict layer if it was fitted to data like these (films, no controls, these effects), else None."""
+    model = VerdictModel.load()
+    like = not analysis.controls and np.count_nonzero(analysis.points.kind == "value") >= FILMED
+    return model if like and model is not None and model.covers(analysis.evidence) else None
 
 
 def load_all(experiments):

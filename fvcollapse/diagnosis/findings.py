@@ -11,6 +11,7 @@ from fvcollapse.curves import FORMS
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
+from fvcollapse.diagnosis.names import NAMED
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -29,7 +30,6 @@ ENDS = 0.002  # quantiles of a value that is told stay inside: some priors have 
 LIKE_MISCALIBRATION = 0.2  # share of the null test that an effect wins
 CHECK_PASSED = 0.05  # p-value of the predictive check
 SIZE_UNITS = "standard uncertainties beyond the noise"
-NAMED = ("effect", "several")
 
 
 def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
@@ -78,7 +78,7 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
             ladder=rungs(analysis, ladder),
             confirmation=confirmation(analysis, verdict, ladder),
             alternatives=upcoming[1:],
-            limits=[*limits(analysis, ladder), model_words(analysis, model)],
+            limits=[*limits(analysis, ladder), model_words(model)],
         ),
     )
 
@@ -588,9 +588,9 @@ def far_words(ladder):
     return words
 
 
-def model_words(analysis, model):
+def model_words(model):
     """What the probabilities rest on."""
-    if model is None or not model.covers(analysis.evidence):
+    if model is None:
         return (
             "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
             "to these effects, to controls, or to so few measured values."

@@ -250,7 +250,7 @@ def choose_points(experiments):
     Raises
     ------
     InputError
-        Two experiments of the same name.
+        Two experiments of the same name, or with the same curves.
     """
     experiments = tuple(experiments)
     names = [experiment.name for experiment in experiments]
@@ -262,6 +262,7 @@ def choose_points(experiments):
                 raise InputError(experiment.folder, "folder", "it is given twice", allowed)
             twice = f"the name {experiment.name} twice"
             raise InputError(experiment.folder, "folder", twice, "folders of different names")
+    refuse_copies(experiments)
     blocks, measured, sigma, runs, start = [], [], [], [], 0
     for experiment in experiments:
         run = run_of(experiment)
@@ -276,6 +277,26 @@ def choose_points(experiments):
     return Points(
         experiments, tuple(blocks), np.concatenate(measured), np.concatenate(sigma), tuple(runs)
     )
+
+
+def refuse_copies(experiments):
+    """The same curves under two names are not two experiments (single numbers may agree by chance).
+
+    Raises
+    ------
+    InputError
+    """
+    seen = {}
+    for experiment in experiments:
+        content = b"".join(
+            part.tobytes()
+            for curve in experiment.curves.values()
+            for part in curve
+            if part is not None
+        )
+        if content and (other := seen.setdefault(content, experiment)) is not experiment:
+            allowed = "each experiment once: fitted, held out or a control"
+            raise InputError(experiment.folder, "curves", f"those of {other.name}", allowed)
 
 
 def scalars(experiment):

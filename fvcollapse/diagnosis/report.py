@@ -13,6 +13,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files import write_atomic
 
@@ -25,7 +26,6 @@ DIGITS = 6  # significant digits of an array in the file
 # The models that are compared: as given, re-calibrated, with the first and with the second effect.
 BASELINE, RECALIBRATED, WINNER, RUNNER_UP = "baseline", "recalibrated", "winner", "runner_up"
 RUNGS = {BASELINE: "G0", RECALIBRATED: "G1", WINNER: "G2", RUNNER_UP: "G2'"}
-NONE, UNKNOWN = "none", "unknown"
 
 Numbers = list[float | None]
 Range = tuple[float, float]

@@ -3,12 +3,11 @@
 from typing import get_args, get_type_hints
 
 from fvcollapse.case import Effects
+from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.report import (
     BASELINE,
-    NONE,
     RECALIBRATED,
     RUNNER_UP,
-    UNKNOWN,
     WINNER,
 )
 
@@ -193,6 +192,7 @@ def answer(report):
         sentences += unknown_sentences(report)
     else:
         sentences += [cause_sentence(report), *confusion_sentences(report)]
+        sentences += beside_sentences(report)
         sentences += reduction_sentences(report)
     if report.next_experiment is not None:
         sentences.append(next_sentence(report.next_experiment))
@@ -255,7 +255,7 @@ def cause_sentence(report):
     verdict = report.verdict
     first, share = named(report)
     chance = percent(share)
-    if verdict.kind == "several" and "+" not in first:
+    if verdict.kind == SEVERAL and "+" not in first:
         names = listed((hypothesis_name(name) for name in verdict.effects), "or")
         chances = listed(percent(verdict.probability[name]) for name in verdict.effects)
         return f"These data leave more than one cause open: {names} (probabilities {chances})."
@@ -277,6 +277,18 @@ def confusion_sentences(report):
         for group in groups
         if len(group) > 1
     ]
+
+
+def beside_sentences(report):
+    """Second effects that the data leave open beside the one that is named."""
+    verdict = report.verdict
+    others = [
+        set(pair.split("+")) - set(verdict.effects)
+        for pair in verdict.set
+        if "+" in pair and set(verdict.effects) < set(pair.split("+"))
+    ]
+    names = listed((hypothesis_name(name) for (name,) in others), "or")
+    return [f"That {names} acts beside it is not excluded."] if names else []
 
 
 def reduction_sentences(report):
@@ -345,7 +357,7 @@ def headline(report):
     if verdict.kind == UNKNOWN:
         return "A cause outside the catalogue"
     pair = "+".join(sorted(verdict.effects))
-    if verdict.kind == "several" and pair not in verdict.probability:
+    if verdict.kind == SEVERAL and pair not in verdict.probability:
         names = listed((hypothesis_name(name) for name in verdict.effects), "or")
         return f"Several causes possible: {names}"
     return f"Most likely cause: {hypothesis_name(pair)}"

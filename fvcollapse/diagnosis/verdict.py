@@ -39,13 +39,13 @@ from scipy.optimize import minimize
 
 from fvcollapse.case_keys import read_text
 from fvcollapse.diagnosis.grain_budget import VIEW, WRONG
+from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.errors import InputError
 from fvcollapse.files import write_atomic
 from fvcollapse.fingerprint import solver_version
 
 FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3
 SHIPPED = Path(__file__).with_name("verdict_model.json")
-NONE, UNKNOWN, SEVERAL = "none", "unknown", "several"
 # probability of each class before any data; single effects share the rest
 PRIOR = {NONE: 0.25, UNKNOWN: 0.15, SEVERAL: 0.05}
 # probability that the grains in view change, and how; all others conserve them
@@ -651,7 +651,7 @@ def in_order(shares):
 def finished(best, probability, kept, conformal, separability):
     """The `Verdict` for a hypothesis."""
     effects = () if best in (NONE, UNKNOWN) else tuple(best.split("+"))
-    kind = best if not effects else ("several" if len(effects) > 1 else "effect")
+    kind = best if not effects else (SEVERAL if len(effects) > 1 else EFFECT)
     open_effects = tuple(n for n in kept if n not in (NONE, UNKNOWN) and "+" not in n)
     groups = list(separability.classes) if separability is not None else []
     if len(open_effects) > 1 and not any(set(open_effects) <= set(group) for group in groups):

@@ -18,9 +18,9 @@ import shutil
 import sys
 from pathlib import Path
 
-from fvcollapse.blind.generator import NONE, TRAINING, UNKNOWN, known_effects
+from fvcollapse.blind.generator import TRAINING, known_effects
 from fvcollapse.blind.make import SEAL, SEAL_FORMAT, make, read_json
-from fvcollapse.blind.metrics import NAMED, reduction_scores
+from fvcollapse.blind.metrics import reduction_scores
 from fvcollapse.blind.score import answer_of, score, table, write_scores
 from fvcollapse.blind.suite import (
     SIMPLE,
@@ -37,6 +37,7 @@ from fvcollapse.blind.suite import (
 )
 from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
+from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
 from fvcollapse.diagnosis.verdict import VerdictModel
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError

@@ -9,10 +9,8 @@ import pytest
 from fvcollapse.blind.generator import (
     BLIND,
     DESIGNS,
-    NONE,
     SET_UPS,
     TRAINING,
-    UNKNOWN,
     draw_classes,
     draw_effect,
     draw_label,
@@ -21,6 +19,7 @@ from fvcollapse.blind.generator import (
 )
 from fvcollapse.blind.outside import UNKNOWNS
 from fvcollapse.case import case_from_text
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects import CATALOGUE
 from fvcollapse.experiment import load_experiment
 

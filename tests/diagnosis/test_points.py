@@ -145,3 +145,9 @@ def test_two_experiments_of_one_name_are_refused(tmp_path):
     folders = [write_experiment(tmp_path / name / "same") for name in "ab"]
     with pytest.raises(InputError, match="the name same twice"):
         choose_points([load_experiment(folder) for folder in folders])
+
+
+def test_a_copy_under_another_name_is_refused(tmp_path):
+    folders = [write_experiment(tmp_path / name) for name in ("one", "copy")]
+    with pytest.raises(InputError, match=r"copy: curves: found those of one;"):
+        choose_points([load_experiment(folder) for folder in folders])

@@ -320,3 +320,20 @@ def test_after_is_the_best_model_that_was_run(report):
         words.after_model(replace(report, details=replace(report.details, comparisons=bare)))
         == BASELINE
     )
+
+
+def test_a_second_effect_that_is_left_open_is_told(report):
+    """One effect named and a pair with it in the set: the one is not the whole story."""
+    verdict = report.verdict
+    (first, *_), other = verdict.effects, "cohesion"
+    pair = "+".join(sorted((first, other)))
+    alone = replace(verdict, kind="effect", effects=[first], set=[first])
+    open_pair = replace(alone, set=[first, pair, "dilatancy+gate"])
+    told = [words.beside_sentences(replace(report, verdict=v)) for v in (alone, open_pair)]
+    assert told == [[], ["That cohesion acts beside it is not excluded."]]
+
+
+def test_what_the_grains_in_view_say_is_in_the_answer(report):
+    told = ["By their own balance, the profiles hold too much."]
+    details = replace(report.details, grains=told)
+    assert told[0] in words.answer(replace(report, details=details))

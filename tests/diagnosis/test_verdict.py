@@ -8,14 +8,12 @@ import pytest
 
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.grain_budget import Budget
+from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import (
     CAP,
     CASE_FEATURES,
-    NONE,
     NONE_KEPT,
-    SEVERAL,
-    UNKNOWN,
     VerdictModel,
     budget_logit,
     capped,
