@@ -21,7 +21,7 @@ from fvcollapse.blind.metrics import Outcome, all_scores
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
-from fvcollapse.diagnosis.grain_budget import Budget
+from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
@@ -154,15 +154,15 @@ def summary(analysis):
             name: kept_hypothesis(analysis, each)
             for name, each in analysis.evidence.hypotheses.items()
         },
-        "budget": kept_budget(analysis.evidence.budget),
+        "mass_balance": kept_balance(analysis.evidence.balance),
         "classes": [list(group) for group in analysis.separability.classes],
         "simple": {"chi_square": chi_square(analysis), "signature": signature(analysis)},
     }
 
 
-def kept_budget(budget):
-    """A `Budget` as plain values, None if there is none."""
-    return budget and [part.tolist() for part in budget]
+def kept_balance(balance):
+    """A `MassBalance` as plain values, None if there is none."""
+    return None if balance is None else [part.tolist() for part in balance]
 
 
 def kept_hypothesis(analysis, hypothesis):
@@ -209,10 +209,11 @@ def read_evidence(path):
             )
             for name, each in content["hypotheses"].items()
         }
-        budget = content["budget"] and Budget(*map(np.array, content["budget"]))
+        kept = content["mass_balance"]
+        balance = None if kept is None else MassBalance(*map(np.array, kept))
     except (KeyError, TypeError) as error:
         raise InputError(path, "hypotheses", f"no {error}", f"a {FORMAT} file") from None
-    return content, Evidence(found, budget)
+    return content, Evidence(found, balance)
 
 
 # -- answers that take less thought ------------------------------------------------------------------------
@@ -323,7 +324,7 @@ def train(suites, about=None):
         Folder of the evidence, and labels, of each.
     """
     pairs = [pair for suite in suites for pair in read_suite(*suite).values()]
-    return fit_to([pair for pair in pairs if may_teach(pair)], about)
+    return fit_to(pairs, about)
 
 
 def may_teach(pair):
@@ -332,7 +333,8 @@ def may_teach(pair):
 
 
 def fit_to(pairs, about=None):
-    """The `VerdictModel` of (Evidence, entry of the labels) pairs."""
+    """The `VerdictModel` of (Evidence, entry of the labels) pairs, of those that may teach."""
+    pairs = [pair for pair in pairs if may_teach(pair)]
     cases = [(evidence, entry["label"]["cause"]) for evidence, entry in pairs]
     kinds = [entry["label"]["unknown_kind"] for _, entry in pairs]
     return fit(cases, known_effects(), about, kinds)
@@ -425,7 +427,7 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
     outcomes = []
     for number in np.unique(part):
         others = [pair for pair, own in zip(cases, part, strict=True) if own != number]
-        model = fit_to([pair for pair in others if may_teach(pair)])
+        model = fit_to(others)
         for (evidence, entry), own in zip(cases, part, strict=True):
             if own == number:
                 found, label = verdict(evidence, model), entry["label"]

@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.effect_library import (
 )
 from fvcollapse.diagnosis.evidence import Comparison
 from fvcollapse.diagnosis.gap_map import gap_map
-from fvcollapse.diagnosis.grain_budget import grain_budget
+from fvcollapse.diagnosis.mass_balance import mass_balance
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import null_test, separability
 
@@ -234,7 +234,7 @@ def compare_library(library, experiments, controls=(), seed=0):
         everything=everything,
         gap_map=gap_map(points, compared, covariance, rng),
         comparison=comparison,
-        evidence=replace(evidence, budget=grain_budget(experiments)),
+        evidence=replace(evidence, balance=mass_balance(experiments, library.cases)),
         seed=seed,
     )
 

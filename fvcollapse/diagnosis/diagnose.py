@@ -81,7 +81,7 @@ def diagnose(
         raise InputError("command line", "EXPERIMENT", "none", "one experiment or more")
     if seed < 0:
         raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
-    choose_points((*experiments, *hold_out, *controls))  # refuses a name twice
+    choose_points((*experiments, *hold_out, *controls))  # refuses what is given twice
     if case is not None and not isinstance(case, Case):
         case = load_case(case)
     if folder is not None:
@@ -97,7 +97,7 @@ def diagnose(
         draws=draws,
         seed=seed,
     )
-    model = calibrated(analysis)
+    model = verdict_model_for(analysis)
     answer = verdict(analysis.evidence, model, analysis.separability)
     winner, runner_up = contenders(analysis, answer)
     ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)
@@ -118,11 +118,13 @@ def diagnose(
     return report
 
 
-def calibrated(analysis):
-    """The verdict layer if it was fitted to data like these (films, no controls, these effects), else None."""
+def verdict_model_for(analysis):
+    """The `VerdictModel` if it was fitted to data like these (films, no controls, these effects), else None."""
+    values = np.count_nonzero(analysis.points.kind == "value")
+    if analysis.controls or values < FILMED:
+        return None
     model = VerdictModel.load()
-    like = not analysis.controls and np.count_nonzero(analysis.points.kind == "value") >= FILMED
-    return model if like and model is not None and model.covers(analysis.evidence) else None
+    return model if model is not None and model.covers(analysis.evidence) else None
 
 
 def load_all(experiments):

@@ -31,7 +31,7 @@ from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.special import logsumexp
 from scipy.stats import chi2, multivariate_t, norm, qmc
 
-from fvcollapse.diagnosis.grain_budget import Budget
+from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.orthant import log_probability_positive
 
 DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
@@ -103,11 +103,11 @@ class Hypothesis(NamedTuple):
 class Evidence:
     """All hypotheses by name, the one of the largest evidence x prior odds first.
 
-    `budget` is the `Budget` of the grains in view, None where the data do not tell it.
+    `balance` is the `MassBalance` of the profiles, None where the data do not tell it.
     """
 
     hypotheses: dict
-    budget: Budget | None = None
+    balance: MassBalance | None = None
 
     @property
     def best(self):

@@ -22,7 +22,7 @@ from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNE
 from fvcollapse.diagnosis.separability import EQUIVALENT
 from fvcollapse.effects import CATALOGUE
 
-GRAINS_OFF = 3.0  # standard deviations of a budget of grains from which it is told
+GRAINS_OFF = 3.0  # standard deviations of a mass balance from which it is told
 FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
 AT_BOUND = 1.0e-3  # quantile nearer than which to the end of the range a fit has been stopped by it
@@ -72,7 +72,7 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
             budget=budget(analysis),
-            grains=grain_words(analysis.evidence.budget),
+            grains=grain_words(analysis.evidence.balance),
             hypotheses=hypotheses(analysis, verdict),
             separability=separability(analysis, verdict),
             ladder=rungs(analysis, ladder),
@@ -508,24 +508,31 @@ def next_experiment(choice):
     )
 
 
-def grain_words(found):
-    """What a `Budget` says, one sentence for each part that is off; none where all grains are in view."""
-    if found is None:
+def grain_words(balance):
+    """What a `MassBalance` says, one sentence for each part that is off; none where all grains are in view."""
+    if balance is None:
         return []
     meanings = (
-        "the measured profiles hold {size} {side} than the column from the first on, which no motion of the "
-        "grains can do: a length is read wrongly, or the column was another one.",
-        "the profiles beyond the gate hold {size} {side} than have left the column, as if they were seen "
-        "where the grains are {pace} than on average across the channel.",
+        (
+            "the measured profiles hold {size} {side} than the column from the first frame on: a scale, the bed "
+            "or the column is not as stated, or heights were read vertically.",
+            (0.05, 0.0),
+        ),
+        (
+            "the profiles beyond the gate hold {size} {side} than have left the column, as if they were seen "
+            "where the grains are {pace} than on average across the channel{lost}.",
+            (0.0, 0.1),
+        ),
     )
-    words = []
-    for mean, sd, meaning in zip(
-        found.mean, np.sqrt(np.diag(found.covariance)), meanings, strict=True
-    ):
-        if abs(mean) > GRAINS_OFF * sd:
-            side, pace = ("more", "faster") if mean > 0.0 else ("less", "slower")
+    words, deviations = [], np.sqrt(np.diag(balance.covariance))
+    for mean, sd, (meaning, spread) in zip(balance.mean, deviations, meanings, strict=True):
+        if abs(mean) > GRAINS_OFF * sd and balance.log_odds(spread) > 0.0:
+            side, pace, lost = (
+                ("more", "faster", "") if mean > 0.0 else ("less", "slower", ", or some were lost")
+            )
             size = f"{100.0 * abs(mean):.1f} ± {100.0 * sd:.1f} %"
-            words.append(f"By their own balance, {meaning.format(size=size, side=side, pace=pace)}")
+            told = meaning.format(size=size, side=side, pace=pace, lost=lost)
+            words.append(f"By their own mass balance, {told}")
     return words
 
 

@@ -281,14 +281,14 @@ def confusion_sentences(report):
 
 def beside_sentences(report):
     """Second effects that the data leave open beside the one that is named."""
-    verdict = report.verdict
-    others = [
-        set(pair.split("+")) - set(verdict.effects)
-        for pair in verdict.set
-        if "+" in pair and set(verdict.effects) < set(pair.split("+"))
+    first = set(report.verdict.effects)
+    pairs = [set(name.split("+")) for name in report.verdict.set if "+" in name]
+    others = [hypothesis_name(name) for pair in pairs if first < pair for name in pair - first]
+    if not others:
+        return []
+    return [
+        f"That {listed(others, 'or')} acts beside {hypothesis_name(named(report)[0])} is not excluded."
     ]
-    names = listed((hypothesis_name(name) for (name,) in others), "or")
-    return [f"That {names} acts beside it is not excluded."] if names else []
 
 
 def reduction_sentences(report):

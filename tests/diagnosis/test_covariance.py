@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from experiment_folder import write_experiment
+from experiment_folder import FILES, write_experiment
 from fake_points import fake_points
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -36,10 +36,14 @@ def measured(tmp_path_factory):
     folder = tmp_path_factory.mktemp("measured")
     stated = "[uncertainty]\nheight_0 = 0.0014\nlength_0 = 0.004\ntime = 0.02\nthickness = 0.0\n"
     plain = "[geometry]\nslope_angle_deg = 0\nheight_0 = 0.14\nlength_0 = 0.2\n"
+    later = {
+        stem: FILES[f"{stem}.csv"].replace("0.1", "0.12")
+        for stem in ("front", "profiles", "volume", "interface")
+    }
     return choose_points(
         [
             load_experiment(write_experiment(folder / "a", plain + stated)),
-            load_experiment(write_experiment(folder / "b", plain)),
+            load_experiment(write_experiment(folder / "b", plain, **later)),
         ]
     )
 

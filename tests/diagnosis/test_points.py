@@ -149,5 +149,15 @@ def test_two_experiments_of_one_name_are_refused(tmp_path):
 
 def test_a_copy_under_another_name_is_refused(tmp_path):
     folders = [write_experiment(tmp_path / name) for name in ("one", "copy")]
-    with pytest.raises(InputError, match=r"copy: curves: found those of one;"):
+    with pytest.raises(InputError, match=r"copy: front: found the curve of one;"):
         choose_points([load_experiment(folder) for folder in folders])
+
+
+def test_curves_without_a_change_may_agree(tmp_path):
+    front = "t_s,x_front_m\n0.0,0.2\n0.1,{}\n0.2,0.31\n"
+    rest = {"profiles": None, "interface": None, "volume": "t_s,relative_volume_change\n0,0\n1,0\n"}
+    folders = [
+        write_experiment(tmp_path / name, front=front.format(place), **rest)
+        for name, place in (("one", 0.24), ("other", 0.25))
+    ]
+    assert len(choose_points([load_experiment(folder) for folder in folders])) > 0

@@ -330,7 +330,10 @@ def test_a_second_effect_that_is_left_open_is_told(report):
     alone = replace(verdict, kind="effect", effects=[first], set=[first])
     open_pair = replace(alone, set=[first, pair, "dilatancy+gate"])
     told = [words.beside_sentences(replace(report, verdict=v)) for v in (alone, open_pair)]
-    assert told == [[], ["That cohesion acts beside it is not excluded."]]
+    assert told == [
+        [],
+        [f"That cohesion acts beside {words.hypothesis_name(first)} is not excluded."],
+    ]
 
 
 def test_what_the_grains_in_view_say_is_in_the_answer(report):

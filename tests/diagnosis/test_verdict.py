@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
-from fvcollapse.diagnosis.grain_budget import Budget
+from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import (
@@ -15,13 +15,14 @@ from fvcollapse.diagnosis.verdict import (
     CASE_FEATURES,
     NONE_KEPT,
     VerdictModel,
-    budget_logit,
     capped,
     class_of,
     class_prior,
     features,
     fit,
     from_json,
+    known_logits,
+    named,
     to_json,
     verdict,
 )
@@ -247,25 +248,45 @@ def test_a_class_of_two_effects_is_one(model):
     assert class_of("arms") == "arms"
 
 
-def test_grains_that_no_motion_can_explain_point_outside_the_catalogue(model):
-    logs = {"arms": 0.0, "bars": -30.0, NONE: -70.0, UNKNOWN: -30.0}
+def balance(shift, stretch):
+    return MassBalance(np.array([shift, stretch]), np.diag([0.012, 0.015]) ** 2)
+
+
+def test_a_mass_balance_that_is_off_points_outside_the_catalogue(model):
+    logs = {"arms": 0.0, "bars": -8.0, NONE: -30.0, UNKNOWN: -8.0}
     evidence = evidence_of(logs, {NONE: 1e-9})
-    for shift, kind in ((0.0, "effect"), (0.09, UNKNOWN)):
-        budget = Budget(np.array([shift, 0.0]), np.diag([0.012, 0.015]) ** 2)
-        for each in (model, None):
-            assert verdict(replace(evidence, budget=budget), each).kind == kind
+    for each in (model, None):
+        right, wrong = (
+            verdict(replace(evidence, balance=balance(shift, 0.0)), each).probability
+            for shift in (0.0, 0.03)
+        )
+        odds = [found[UNKNOWN] / found["bars"] for found in (right, wrong)]
+        assert odds[1] / odds[0] == pytest.approx(
+            np.exp(balance(0.03, 0.0).logit(UNKNOWN) - balance(0.0, 0.0).logit(UNKNOWN))
+        )
 
 
-def test_a_view_may_change_the_grains_in_view_and_other_effects_may_not():
-    stretched = Budget(np.array([0.0, -0.1]), np.diag([0.012, 0.015]) ** 2)
-    assert budget_logit(stretched, "transverse_profile") > 15.0
-    assert budget_logit(stretched, "gate+transverse_profile") > 15.0
-    assert budget_logit(stretched, "gate") == budget_logit(None, "transverse_profile") == 0.0
-    wrong = stretched._replace(mean=np.array([0.06, 0.0]))
-    assert budget_logit(wrong, UNKNOWN) > 4.0
-    assert budget_logit(stretched, UNKNOWN) < 0.0
+def test_two_effects_share_the_odds_of_their_pairs():
+    logs = {
+        "arms": 0.0,
+        NONE: -9.0,
+        UNKNOWN: -8.0,
+        "arms+bars": 1.0,
+        "arms+transverse_profile": 1.0,
+    }
+    evidence = replace(evidence_of(logs), balance=balance(0.0, -0.12))
+    view = evidence.balance.logit("transverse_profile")
+    found = known_logits(evidence, ("arms", NONE, UNKNOWN, SEVERAL))
+    assert found[:2].tolist() == [0.0, 0.0]
+    assert found[2] == evidence.balance.logit(UNKNOWN)
+    assert found[3] == pytest.approx(np.log((1.0 + np.exp(view)) / 2.0))
+    shares = named(evidence, {SEVERAL: 1.0})
+    assert shares["arms+transverse_profile"] / shares["arms+bars"] == pytest.approx(np.exp(view))
 
 
-def test_something_unknown_that_is_far_ahead_is_named(model):
-    logs = {"arms": -900.0, "bars": -950.0, NONE: -2000.0, UNKNOWN: 0.0, "arms+bars": -400.0}
-    assert verdict(evidence_of(logs, {NONE: 0.0}), model).kind == UNKNOWN
+def test_something_unknown_that_is_ahead_counts_tempered():
+    logs = {"arms": -40.0, "arms+bars": -25.0, NONE: -60.0, UNKNOWN: 0.0}
+    classes = ("arms", NONE, UNKNOWN)
+    assert known_logits(evidence_of(logs), classes).tolist() == [0.0, 0.0, pytest.approx(2.5)]
+    behind = known_logits(evidence_of(logs | {"arms": 3.0}), classes)
+    assert behind.tolist() == [0.0, 0.0, 0.0]
