@@ -413,42 +413,17 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
         A baseline fails, or too much of the ensemble. An effect whose runs fail is left out.
     """
     everyone = (*experiments, *controls)
-    own = {each.name: cases[each.name] for each in experiments}
-    chosen, left_out = applicable_effects(own, effects)
+    chosen, left_out = applicable_effects(
+        {one.name: cases[one.name] for one in experiments}, effects
+    )
     closures = {name: closures_of(name) for name in chosen}
     quantities = nuisances(everyone, cases)
     z = draw(quantities, draws, seed)
-    wanted = {("fine", None, one.name): (one, refined(cases[one.name])) for one in everyone}
-    wanted |= {("coarse", None, one.name): (one, cases[one.name]) for one in everyone}
-    for n, row in enumerate(z):
-        for one in everyone:
-            case = with_nuisances(cases[one.name], one.name, quantities, row)
-            wanted["draw", n, one.name] = (one, case)
-    for name in tuple(chosen):
-        try:
-            for one in experiments:
-                if acts_in(name, cases[one.name]):
-                    wanted |= level_cases(closures[name], one, cases[one.name])
-        except CaseError as error:
-            left_out[name] = f"{error.key} cannot be {error.found} in this case"
-            chosen.remove(name)
+    wanted = baseline_runs(everyone, cases) | ensemble_runs(everyone, cases, quantities, z)
+    wanted |= effect_runs(closures, experiments, cases, left_out)
     reading = Reading(choose_points(everyone), *runner.observations(wanted))
     samples, kept = reading.ensemble(draws)
-    responses = {}
-    for name in chosen:
-        try:
-            responses[name] = [
-                reading.response(number, closure) for number, closure in enumerate(closures[name])
-            ]
-        except NumericalError as error:
-            left_out[name] = str(error)
-    responses = {
-        name: each for name, each in responses.items() if reading.shows(name, each, left_out)
-    }
-    realised = [
-        [quantity.realised(shift) for quantity, shift in zip(quantities, row, strict=True)]
-        for row in z[kept]
-    ]
+    responses = measured_responses(reading, closures, left_out)
     return Library(
         points=reading.points,
         experiments=tuple(experiments),
@@ -457,12 +432,68 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
         fine=reading.fine,
         seen={one.name: reading.seen["fine", None, one.name] for one in everyone},
         quantities=quantities,
-        draws=np.array(realised),
+        draws=realised(quantities, z[kept]),
         samples=samples,
         closures={name: closures[name] for name in responses},
         responses=responses,
         corrections=reading.corrections,
         left_out=left_out,
+    )
+
+
+def baseline_runs(experiments, cases):
+    """{label: (experiment, case)} of the baseline on both grids, the finer first."""
+    fine = {("fine", None, one.name): (one, refined(cases[one.name])) for one in experiments}
+    return fine | {("coarse", None, one.name): (one, cases[one.name]) for one in experiments}
+
+
+def ensemble_runs(experiments, cases, quantities, z):
+    """{label: (experiment, case)} of the draws z (m, n) of the quantities."""
+    return {
+        ("draw", n, one.name): (one, with_nuisances(cases[one.name], one.name, quantities, row))
+        for n, row in enumerate(z)
+        for one in experiments
+    }
+
+
+def effect_runs(closures, experiments, cases, left_out):
+    """{label: (experiment, case)} of all levels; an effect that a case cannot have goes to `left_out`."""
+    wanted = {}
+    for name, own in closures.items():
+        levels = {}
+        try:
+            for one in experiments:
+                if acts_in(name, cases[one.name]):
+                    levels |= level_cases(own, one, cases[one.name])
+        except CaseError as error:
+            left_out[name] = f"{error.key} cannot be {error.found} in this case"
+            continue
+        wanted |= levels
+    return wanted
+
+
+def measured_responses(reading, closures, left_out):
+    """{effect: [Response]} of what changes anything measured; why the others do not is put in `left_out`."""
+    found = {}
+    for name in (name for name in closures if name not in left_out):
+        try:
+            found[name] = [reading.response(n, each) for n, each in enumerate(closures[name])]
+        except NumericalError as error:
+            left_out[name] = str(error)
+    silent = [name for name, own in found.items() if not any(map(changes_something, own))]
+    left_out |= dict.fromkeys(silent, "it changes nothing that was measured")
+    return {name: own for name, own in found.items() if name not in left_out}
+
+
+def changes_something(response):
+    """Whether a response differs from zero anywhere."""
+    return np.abs(response.differences).max() > 0.0
+
+
+def realised(quantities, z):
+    """The draws (m, n) that the values stand for; see `Nuisance.realised`."""
+    return np.array(
+        [[one.realised(shift) for one, shift in zip(quantities, row, strict=True)] for row in z]
     )
 
 
@@ -604,10 +635,3 @@ class Reading:
         return Response.fit(
             levels[list(differences)], np.array([*map(correct, differences.values())])
         )
-
-    def shows(self, name, responses, left_out):
-        """Whether an effect changes anything that was measured; if not, say so in `left_out`."""
-        if any(np.abs(each.differences).max() > 0.0 for each in responses):
-            return True
-        left_out[name] = "it changes nothing that was measured"
-        return False

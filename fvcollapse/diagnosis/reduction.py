@@ -131,56 +131,75 @@ def climb(analysis, runner, winner=None, runner_up=None, hold_out=(), case=None,
     NumericalError
         The baseline of a held-out experiment fails.
     """
+    problem = Recalibration(analysis)
     names = {BASELINE: "", RECALIBRATED: ""}
     names |= {model: name for model, name in ((WINNER, winner), (RUNNER_UP, runner_up)) if name}
-    problem = Recalibration(analysis)
     everything = np.ones(len(analysis.library.points), bool)
     fits = {model: problem.fit(name, everything) for model, name in names.items()}
     fits[BASELINE] = Fit({}, np.zeros(len(problem.quantities)))
     held = baseline_cases(hold_out, case, cell_size)
-    wanted, told = {}, []
-    for model, fit in tuple(fits.items()):
-        try:
-            for one in (*analysis.experiments, *hold_out):
-                base = held.get(one.name) or analysis.library.cases[one.name]
-                wanted[model, None, one.name] = (one, problem.case(fit, one, base))
-        except CaseError as error:  # two effects that cannot be together
-            told.append(f"{model}: {error}")
-            wanted = {key: each for key, each in wanted.items() if key[0] != model}
-            del fits[model], names[model]
-    for one in hold_out:
-        wanted["coarse", None, one.name] = (one, held[one.name])
+    everyone, cases = (*analysis.experiments, *hold_out), analysis.library.cases | held
+    wanted, refused = true_runs(problem, fits, everyone, cases)
+    for model in refused:
+        del fits[model], names[model]
+    wanted |= {("coarse", None, one.name): (one, held[one.name]) for one in hold_out}
     folds = analysis.experiments if not hold_out and len(analysis.experiments) > 1 else ()
-    for one in folds:
-        rest = everything.copy()
-        rest[analysis.library.points.of(one)] = False
-        for model in names:
-            if model != BASELINE:
-                fit = problem.fit(names[model], rest)
-                model_case = problem.case(fit, one, analysis.library.cases[one.name])
-                wanted[f"{model} without", None, one.name] = (one, model_case)
+    wanted |= fold_runs(problem, names, folds)
     seen, failures = runner.observations(wanted)
-    told += [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
     reading = Reading(analysis.points, seen, failures)
-    shifts, covariance = problem.after_controls(fits)
-    fitted = Group(
-        analysis.points,
-        analysis.library.cases,
-        shifts,
-        covariance,
-        simulated_by(reading, fits, failures),
-    )
     held_out = held_out_group(analysis, hold_out, held, seen, failures, fits) if hold_out else None
+    told = [f"{model}: {error}" for model, error in refused.items()]
+    told += [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
     return Ladder(
         fits=fits,
         names=names,
         quantities=problem.quantities,
-        fitted=fitted,
+        fitted=fitted_group(problem, reading, fits),
         held_out=held_out,
         predicted={model: problem.predicted(fit)[analysis.own] for model, fit in fits.items()},
-        left_out=left_out_values(reading, folds, names, failures),
+        left_out=left_out_values(reading, folds, names),
         failures=tuple(told),
     )
+
+
+def true_runs(problem, fits, experiments, cases):
+    """({label: (experiment, case)} of all models, {model: CaseError} of effects that cannot be together)."""
+    wanted, refused = {}, {}
+    for model, fit in fits.items():
+        try:
+            wanted |= {
+                (model, None, one.name): (one, problem.case(fit, one, cases[one.name]))
+                for one in experiments
+            }
+        except CaseError as error:
+            refused[model] = error
+    return wanted, refused
+
+
+def fold_runs(problem, names, folds):
+    """{label: (experiment, case)} of the models calibrated without each experiment in turn."""
+    points, wanted = problem.library.points, {}
+    for one in folds:
+        rest = np.ones(len(points), bool)
+        rest[points.of(one)] = False
+        for model, name in names.items():
+            if model != BASELINE:
+                fit = problem.fit(name, rest)
+                case = problem.case(fit, one, problem.library.cases[one.name])
+                wanted[without(model, one)] = (one, case)
+    return wanted
+
+
+def without(model, experiment):
+    """Label of the run of an experiment with a model calibrated without it."""
+    return f"{model} without", None, experiment.name
+
+
+def fitted_group(problem, reading, fits):
+    """The `Group` of the experiments that were fitted."""
+    shifts, covariance = problem.after_controls(fits)
+    simulated = simulated_by(reading, fits, reading.failures)
+    return Group(reading.points, problem.library.cases, shifts, covariance, simulated)
 
 
 def simulated_by(reading, models, failures):
@@ -189,17 +208,16 @@ def simulated_by(reading, models, failures):
     return {model: reading.vector(model, None) for model in models if model not in broken}
 
 
-def left_out_values(reading, folds, names, failures):
+def left_out_values(reading, folds, names):
     """{experiment: {model: values on its points}} of the models calibrated without it."""
-    found = {}
-    for one in folds:
-        labels = {model: (f"{model} without", None, one.name) for model in names}
-        found[one.name] = {
-            model: reading.parts[one.name].simulated({one.name: reading.seen[label]})
-            for model, label in labels.items()
-            if label in reading.seen
+    return {
+        one.name: {
+            model: reading.parts[one.name].simulated({one.name: reading.seen[without(model, one)]})
+            for model in names
+            if without(model, one) in reading.seen
         }
-    return found
+        for one in folds
+    }
 
 
 def held_out_group(analysis, hold_out, cases, seen, failures, fits):
