@@ -451,12 +451,15 @@ def confirmation(analysis, verdict, ladder):
         for model in (WINNER, rival)
     ]
     reasons = confirmation_reasons(ladder, beaten, rival, inside, p_value)
+    shrinks = all(fold.winner > 0.0 for fold in folds if fold.held_out)
+    if not shrinks:
+        reasons.append("the gap of an experiment held out does not shrink")
     alone = verdict.kind == "effect" or "+" in ladder.names[WINNER]
     apart = not any(len(group) > 1 for group in verdict.indistinguishable) or not any(
         name in group for group in verdict.indistinguishable for name in verdict.effects
     )
     held = [won for (_, held), won in beaten.items() if held]
-    if held and all(held) and inside and p_value >= CHECK_PASSED and alone and apart:
+    if held and all(held) and shrinks and inside and p_value >= CHECK_PASSED and alone and apart:
         wording = "confirmed"
     elif gain[0] <= 0.0 or p_value < CHECK_PASSED or (beaten and not any(beaten.values())):
         wording = "not confirmed"

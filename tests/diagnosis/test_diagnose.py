@@ -1,6 +1,7 @@
 """The whole diagnosis: by formula, through the command line, and with the solver and its cache."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
 from fvcollapse.cache import make_extract
 from fvcollapse.diagnosis import diagnose as module
+from fvcollapse.diagnosis import findings
 from fvcollapse.diagnosis.diagnose import contenders
 from fvcollapse.diagnosis.effect_library import (
     Runner,
@@ -244,3 +246,26 @@ def test_observation_of_the_same_flow_costs_no_run(coarse, tmp_path):
     fronts = [seen[view].front[-1, 1] for view in ("wall", "average", "centre")]
     assert fronts == sorted(fronts)
     assert fronts[0] < fronts[2]
+
+
+def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folders, monkeypatch):
+    """The winner beats the runner-up, but only since that one is worse still."""
+    told = {(folders[2].name, True): {"winner": -0.4, "runner_up": -0.9}}
+    options = {"effects": EFFECTS.split(","), "draws": 8}
+    plain = fvcollapse.diagnose(folders[:2], hold_out=folders[2:], **options)
+    assert plain.details.confirmation.wording == "confirmed"
+    monkeypatch.setattr(findings, "fold_fractions", lambda ladder: told)
+    found = fvcollapse.diagnose(folders[:2], hold_out=folders[2:], **options).details.confirmation
+    assert found.wording == "consistent with"
+    assert "the gap of an experiment held out does not shrink" in found.reasons
+
+
+@pytest.mark.parametrize("lacking", ["nothing", "controls", "values", "effects", "model"])
+def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
+    layer = SimpleNamespace(covers=lambda evidence: lacking != "effects")
+    loaded = None if lacking == "model" else layer
+    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda: loaded))
+    kind = np.full(20 if lacking == "values" else 200, "value")
+    controls = (object(),) if lacking == "controls" else ()
+    analysis = SimpleNamespace(controls=controls, points=SimpleNamespace(kind=kind), evidence=None)
+    assert module.verdict_model_for(analysis) is (layer if lacking == "nothing" else None)
