@@ -32,6 +32,7 @@ from scipy.special import logsumexp
 from scipy.stats import chi2, multivariate_t, norm, qmc
 
 from fvcollapse.diagnosis.mass_balance import MassBalance
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.orthant import log_probability_positive
 
 DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
@@ -209,8 +210,8 @@ class Comparison:
         """The `Evidence` of a gap (N,); `pairs`: also of two effects together."""
         seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
         found = [
-            self.without_effect(gap, seen, "none", DISCREPANCIES),
-            self.without_effect(gap, seen, "unknown", UNKNOWN_DISCREPANCIES),
+            self.without_effect(gap, seen, NONE, DISCREPANCIES),
+            self.without_effect(gap, seen, UNKNOWN, UNKNOWN_DISCREPANCIES),
         ]
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
         single.sort(key=lambda each: -each.log_evidence)

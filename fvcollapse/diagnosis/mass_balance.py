@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import trapezoid
 
-from fvcollapse.diagnosis.names import UNKNOWN
+from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 
 # standard deviations of (shift, stretch)
 UNMEASURED = (0.05, 0.10)  # V that was not measured; it may come at once or as the grains move
@@ -70,7 +70,7 @@ class MassBalance(NamedTuple):
 
         Of the view it is never negative (see above). That column or bed may be misstated bounds it.
         """
-        part = VIEW_EFFECT if VIEW_EFFECT in name.split("+") else name
+        part = VIEW_EFFECT if VIEW_EFFECT in effects_of(name) else name
         if part not in CHANGES:
             return 0.0
         share, spread = CHANGES[part]

@@ -34,6 +34,7 @@ from fvcollapse.diagnosis.covariance import (
     measurement_covariance,
 )
 from fvcollapse.diagnosis.effect_library import acts_in, with_nuisances
+from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.experiment import Experiment
@@ -131,15 +132,10 @@ def leading(probability, responses):
         for name, value in probability.items()
         if value >= LEAST_PROBABILITY and all(part in responses for part in effects_of(name))
     }
-    able.pop("unknown", None)
+    able.pop(UNKNOWN, None)
     best = sorted(able, key=lambda name: -able[name])[:MOST_HYPOTHESES]
     total = sum(able[name] for name in best)
     return {name: able[name] / total for name in best}
-
-
-def effects_of(name):
-    """Effects of a hypothesis."""
-    return () if name == "none" else tuple(name.split("+"))
 
 
 def reference_experiment(analysis):

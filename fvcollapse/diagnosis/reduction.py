@@ -33,6 +33,7 @@ from fvcollapse.diagnosis.effect_library import (
     with_nuisances,
 )
 from fvcollapse.diagnosis.gap_map import beyond_bounds
+from fvcollapse.diagnosis.names import NONE, effects_of
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.errors import CaseError
@@ -250,7 +251,7 @@ class Recalibration:
 
     def fit(self, name, rows):
         """The `Fit` of a hypothesis ("": no effect) on some points (N,) of the library."""
-        hypothesis = self.analysis.evidence.hypotheses[name or "none"]
+        hypothesis = self.analysis.evidence.hypotheses[name or NONE]
         parts = self.parts(name, hypothesis)
         count = sum(len(u) for _, _, u in parts)
         start = np.concatenate([*(u for _, _, u in parts), np.zeros(len(self.quantities))])
@@ -270,9 +271,7 @@ class Recalibration:
     def parts(self, name, hypothesis):
         """(closure, response, u) of each effect of a hypothesis, as the evidence has them."""
         found, first = [], 0
-        for effect, variant in zip(
-            name.split("+") if name else (), hypothesis.variant, strict=True
-        ):
+        for effect, variant in zip(effects_of(name or NONE), hypothesis.variant, strict=True):
             response = self.library.responses[effect][variant]
             u = hypothesis.u[first : first + response.dimension]
             first += response.dimension

@@ -37,7 +37,7 @@ from scipy.optimize import minimize
 from scipy.special import logsumexp
 
 from fvcollapse.case_keys import read_text
-from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
+from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.errors import InputError
 from fvcollapse.files import write_atomic
 from fvcollapse.fingerprint import solver_version
@@ -644,7 +644,7 @@ def in_order(shares):
 
 def finished(best, probability, kept, conformal, separability):
     """The `Verdict` for a hypothesis."""
-    effects = () if best in (NONE, UNKNOWN) else tuple(best.split("+"))
+    effects = effects_of(best)
     kind = best if not effects else (SEVERAL if len(effects) > 1 else EFFECT)
     open_effects = tuple(n for n in kept if n not in (NONE, UNKNOWN) and "+" not in n)
     groups = list(separability.classes) if separability is not None else []
