@@ -323,8 +323,7 @@ def train(suites, about=None):
     suites : sequence of (str or Path, str or Path)
         Folder of the evidence, and labels, of each.
     """
-    pairs = [pair for suite in suites for pair in read_suite(*suite).values()]
-    return fit_to(pairs, about)
+    return fit_to([pair for suite in suites for pair in read_suite(*suite).values()], about)
 
 
 def may_teach(pair):
@@ -426,8 +425,7 @@ def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
             part[members] = folds + sorted({k for _, k in groups if k}).index(kind)
     outcomes = []
     for number in np.unique(part):
-        others = [pair for pair, own in zip(cases, part, strict=True) if own != number]
-        model = fit_to(others)
+        model = fit_to([pair for pair, own in zip(cases, part, strict=True) if own != number])
         for (evidence, entry), own in zip(cases, part, strict=True):
             if own == number:
                 found, label = verdict(evidence, model), entry["label"]

@@ -28,21 +28,18 @@ from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 # standard deviations of (shift, stretch)
 UNMEASURED = (0.05, 0.10)  # V that was not measured; it may come at once or as the grains move
 RIM = (0.0, 0.012)  # thin rim of the pile that is not seen
-SCALE, ORIGIN, ZERO = (
-    0.005,
-    0.001,
-    1.0e-4,
-)  # least ones of the picture: of heights (relative), X [m] and bed [m]
+LEAST = 1.0e-4  # of both, of one experiment alone
+# least standard deviations of the picture: of all heights (relative), of the origin of X and the zero of heights [m]
+SCALE, ORIGIN, ZERO = 0.005, 0.001, 1.0e-4
 VOLUME_MOST = 0.2  # of V in the first frame: what is larger is no relative change
 BARE = 3.0  # standard deviations up to which a last thickness is the bed
 BARE_SHARE = 0.03  # of height_0, up to which it must be anyway
 AHEAD = 0.1  # of length_0: distance from the front at which the bed is bare
 BED_POINTS = 20  # from which the bed is measured; by a line if they span length_0
-NEAR_WALL, SPACING = (
-    0.1,
-    0.25,
-)  # of length_0: where profiles begin, and the largest distance of places
-LEAST_FRAMES, LEAST_PHI, LEAST_RANGE = 10, 0.02, 0.2
+NEAR_WALL = 0.1  # of length_0: where profiles begin
+SPACING = 0.25  # of length_0: largest distance of places
+LEAST_FRAMES, LEAST_RANGE = 10, 0.2  # number of profiles, and range of phi
+LEAST_PHI = 0.02  # before, the upright face lies between two places
 LARGEST_CORRELATION = 0.9  # from one frame to the next
 
 # what changes the balance: probability that it does, and standard deviations of the change
@@ -117,12 +114,11 @@ def balance_of(experiment, geometry):
     columns = np.column_stack([np.ones_like(beyond), beyond])
     mean, *_ = np.linalg.lstsq(columns, excess, rcond=None)
     rest = excess - columns @ mean
-    scatter = (
-        rest @ rest / (len(rest) - 4) * inflation(rest)
-    )  # (n - 2) dof of Student's t: nu / (nu - 2)
+    degrees = len(rest) - 2  # of Student's t, whose variance is degrees / (degrees - 2)
+    scatter = rest @ rest / (degrees - 2) * inflation(rest)
     height = experiment.standard_deviation("height_0", geometry.height_0) / geometry.height_0
     origin = experiment.standard_deviation("length_0", geometry.length_0)
-    own = np.array([height**2 + (origin / geometry.length_0) ** 2, 0.0])
+    own = np.array([height**2 + (origin / geometry.length_0) ** 2, 0.0]) + LEAST**2
     own += np.square(UNMEASURED) if volume is None else [0.0, float(np.median(volume.sigma)) ** 2]
     shift = max(height, SCALE) ** 2 + (max(origin, ORIGIN) / geometry.length_0) ** 2
     lengths = np.array([geometry.length_0, np.median(reach) - geometry.length_0])
@@ -188,7 +184,7 @@ def frames_of(experiment, geometry, volume):
         if area <= 0.0 or swollen <= 0.0:
             continue
         beyond = area_beyond(place, thickness, geometry.length_0) / area
-        if beyond >= LEAST_PHI:  # before, the upright face lies between two places
+        if beyond >= LEAST_PHI:
             yield area / (column_area(geometry) * swollen) - 1.0, beyond, place[-1]
 
 
