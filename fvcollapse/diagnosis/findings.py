@@ -11,6 +11,7 @@ from fvcollapse.curves import FORMS
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
+from fvcollapse.diagnosis.mass_balance import LEAST_FRAMES
 from fvcollapse.diagnosis.names import NAMED
 from fvcollapse.diagnosis.reduction import (
     closing,
@@ -563,6 +564,11 @@ def limits(analysis, ladder):
         words.append(f"Calibrated parameters that are off look like: {', '.join(like)}.")
     if ladder.held_out is None:
         words.append("No experiment was held out, so no cause can be confirmed.")
+    if analysis.evidence.balance is None:
+        words.append(
+            f"The profiles were not weighed: no experiment has {LEAST_FRAMES} of different reach that show "
+            "all grains."
+        )
     words += far_words(ladder)
     if analysis.controls:
         words.append(control_words(analysis))

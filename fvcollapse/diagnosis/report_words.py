@@ -10,6 +10,7 @@ from fvcollapse.diagnosis.report import (
     RUNNER_UP,
     WINNER,
 )
+from fvcollapse.effects import CATALOGUE, NUISANCE
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
@@ -244,10 +245,16 @@ def unknown_sentences(report):
     """What "unknown" means."""
     chance = percent(report.verdict.probability[UNKNOWN])
     return [
-        f"None of the {len(report.candidates)} effects that were tried explains this with plausible "
-        f"values: the cause lies outside the catalogue (probability {chance}), in the model or in "
+        f"None of the effects that were tried ({len(report.candidates)}) explains this with plausible "
+        f"values: the cause lies outside {tried(report)} (probability {chance}), in the model or in "
         "an error of the measurement that its stated uncertainty does not hold."
     ]
+
+
+def tried(report):
+    """What a cause that is unknown lies outside of."""
+    known = {name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE}
+    return "the catalogue" if known <= set(report.candidates) else "the effects that were tried"
 
 
 def cause_sentence(report):
@@ -355,7 +362,7 @@ def headline(report):
     if verdict.kind == NONE:
         return "Nothing has to be added to the model"
     if verdict.kind == UNKNOWN:
-        return "A cause outside the catalogue"
+        return f"A cause outside {tried(report)}"
     pair = "+".join(sorted(verdict.effects))
     if verdict.kind == SEVERAL and pair not in verdict.probability:
         names = listed((hypothesis_name(name) for name in verdict.effects), "or")

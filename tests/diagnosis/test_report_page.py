@@ -340,3 +340,17 @@ def test_what_the_grains_in_view_say_is_in_the_answer(report):
     told = ["By their own balance, the profiles hold too much."]
     details = replace(report.details, grains=told)
     assert told[0] in words.answer(replace(report, details=details))
+
+
+def test_outside_of_what_was_tried(report):
+    """Of a few effects that were tried "unknown" says nothing about the rest of the catalogue."""
+    every = unknown_of(report)
+    few = replace(every, candidates=dict(list(report.candidates.items())[:2]))
+    assert words.headline(every) == "A cause outside the catalogue"
+    assert words.headline(few) == "A cause outside the effects that were tried"
+    assert "lies outside the effects that were tried" in words.answer(few)[1]
+
+
+def unknown_of(report):
+    """The report with another verdict."""
+    return replace(report, verdict=replace(report.verdict, kind="unknown", effects=[]))
