@@ -11,8 +11,8 @@ from fvcollapse.curves import FORMS
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
-from fvcollapse.diagnosis.mass_balance import LEAST_FRAMES
-from fvcollapse.diagnosis.names import NAMED
+from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
+from fvcollapse.diagnosis.names import NAMED, UNKNOWN
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -520,16 +520,16 @@ def grain_words(balance):
         (
             "the measured profiles hold {size} {side} than the column from the first frame on: a scale, the bed "
             "or the column is not as stated, or heights were read vertically.",
-            (0.05, 0.0),
+            CHANGES[UNKNOWN],
         ),
         (
             "the profiles beyond the gate hold {size} {side} than have left the column, as if they were seen "
             "where the grains are {pace} than on average across the channel{lost}.",
-            (0.0, 0.1),
+            CHANGES[VIEW_EFFECT],
         ),
     )
     words, deviations = [], np.sqrt(np.diag(balance.covariance))
-    for mean, sd, (meaning, spread) in zip(balance.mean, deviations, meanings, strict=True):
+    for mean, sd, (meaning, (_, spread)) in zip(balance.mean, deviations, meanings, strict=True):
         if abs(mean) > GRAINS_OFF * sd and balance.log_odds(spread) > 0.0:
             side, pace, lost = (
                 ("more", "faster", "") if mean > 0.0 else ("less", "slower", ", or some were lost")

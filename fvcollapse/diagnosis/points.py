@@ -290,9 +290,9 @@ def refuse_copies(experiments):
     seen = {}
     for experiment in experiments:
         for name, curve in experiment.curves.items():
-            content = name, *(None if part is None else part.tobytes() for part in curve[:3])
             if np.ptp(curve.value) == 0.0:
                 continue
+            content = name, *(None if part is None else part.tobytes() for part in curve[:3])
             if (other := seen.setdefault(content, experiment)) is not experiment:
                 allowed = "each experiment once: fitted, held out or a control"
                 raise InputError(experiment.folder, name, f"the curve of {other.name}", allowed)
