@@ -303,7 +303,12 @@ class Simulation:
         target = (state.volume_0 - state.volume_outflow) * self.packing_0 / (dx * dz)
         added = (
             level_set.correct_volume(
-                state.level_set, speed / fastest, self._packing(), target, min(dx, dz)
+                state.level_set,
+                self._aperture(state.time + dt),
+                speed / fastest,
+                self._packing(),
+                target,
+                min(dx, dz),
             )
             * dx
             * dz
@@ -351,6 +356,14 @@ class Simulation:
         )
         self.state.volume_outflow += through.sum() / self.packing_0
         self.state.energy_outflow += sum(self.outflow)
+
+    def _aperture(self, time):
+        """Open part of each x-face at `time`, (nx + 1, nz)."""
+        aperture = np.ones_like(self.geometry.aperture)
+        open_fractions(
+            aperture, gate_height(time, self.lift), self.gate_column, self.spacing[1]
+        )
+        return aperture
 
     def _place(self, time, closed=False):
         """Geometry of the current surface with the gate where it is at `time`."""
@@ -539,7 +552,7 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = initial_volume(state.level_set, self.grid)
+        state.volume_0 = initial_volume(state.level_set, self.geometry.aperture, self.grid)
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(

@@ -125,26 +125,32 @@ def polygon_moments(phi_00, phi_10, phi_11, phi_01):
     return area, moment_x, moment_z
 
 
-@kernel_jit()
-def fill_cells(filled, lever_x, lever_z, level_set, aperture):
-    """Filled fraction and lever shares of every cell.
+@inner_jit()
+def cell_moments(level_set, aperture, i, k):
+    """Filled area of cell (i, k) and its first moments, with the gate's faces open by `aperture`; `polygon_moments`.
 
     At a gate the surface on its inner side continues straight through it, as through any wall, so
     that a column standing against it has no spurious corner there; and beyond a closed gate nothing
     is filled by the interpolation across it, or a thousandth of a cell would leak through and fall.
     """
+    left_low, left_high = level_set[i, k], level_set[i, k + 1]
+    right_low, right_high = level_set[i + 1, k], level_set[i + 1, k + 1]
+    if aperture[i + 1, k] < 1.0 and i > 0:
+        right_low = min(right_low, 2.0 * left_low - level_set[i - 1, k])
+        right_high = min(right_high, 2.0 * left_high - level_set[i - 1, k + 1])
+    if aperture[i, k] == 0.0:
+        left_low = max(left_low, 0.0) if right_low > 0.0 else left_low
+        left_high = max(left_high, 0.0) if right_high > 0.0 else left_high
+    return polygon_moments(left_low, right_low, right_high, left_high)
+
+
+@kernel_jit()
+def fill_cells(filled, lever_x, lever_z, level_set, aperture):
+    """Filled fraction and lever shares of every cell (`cell_moments`)."""
     nx, nz = filled.shape
     for i in range(nx):
         for k in range(nz):
-            left_low, left_high = level_set[i, k], level_set[i, k + 1]
-            right_low, right_high = level_set[i + 1, k], level_set[i + 1, k + 1]
-            if aperture[i + 1, k] < 1.0 and i > 0:
-                right_low = min(right_low, 2.0 * left_low - level_set[i - 1, k])
-                right_high = min(right_high, 2.0 * left_high - level_set[i - 1, k + 1])
-            if aperture[i, k] == 0.0:
-                left_low = max(left_low, 0.0) if right_low > 0.0 else left_low
-                left_high = max(left_high, 0.0) if right_high > 0.0 else left_high
-            area, mx, mz = polygon_moments(left_low, right_low, right_high, left_high)
+            area, mx, mz = cell_moments(level_set, aperture, i, k)
             filled[i, k] = area
             lever_x[i, k] = mx
             lever_z[i, k] = mz

@@ -31,8 +31,16 @@ def initial_level_set(case, grid):
     """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the grains.
 
     The back wall and the bed are no surface: the column continues through them. On an erodible
-    layer the column begins at the surface of the layer.
+    layer the column begins at the surface of the layer. A node on the surface is wet (by `ON_SURFACE`):
+    were it dry, half a cell would be missing from the first volume where the corner of the column is a
+    node, until the surface moves.
     """
+    distance = _distance(case, grid)
+    touch = ON_SURFACE * min(grid.dx, grid.dz)
+    return np.where(np.abs(distance) < touch, -touch, distance)
+
+
+def _distance(case, grid):
     layer = layer_thickness(case)
     x, z = np.meshgrid(grid.x_nodes, grid.z_nodes - layer, indexing="ij")
     geometry = case.geometry
@@ -53,16 +61,11 @@ def initial_level_set(case, grid):
     return join_layer(column, above, beyond, z) if layer > 0.0 else column
 
 
-def initial_volume(level_set, grid):
-    """Volume per unit width of the column, m2; a node on the surface counts as wet.
-
-    Else half a cell would be missing where the corner of the column falls on a node: the surface
-    takes it back as soon as it moves, and the correction of the volume would take it away again.
-    """
-    touch = ON_SURFACE * min(grid.dx, grid.dz)
-    wetted = np.where(np.abs(level_set) < touch, -touch, level_set)
+def initial_volume(level_set, aperture, grid):
+    """Volume per unit width of the column behind the gate whose faces are open by `aperture` (nx + 1, nz), m2."""
     everywhere = np.full(grid.nx, grid.nz)
-    return volume(wetted, np.ones((grid.nx, grid.nz)), everywhere) * grid.dx * grid.dz
+    unit_packing = np.ones((grid.nx, grid.nz))
+    return volume(level_set, aperture, unit_packing, everywhere) * grid.dx * grid.dz
 
 
 def initial_state(case, grid):

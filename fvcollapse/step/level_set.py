@@ -14,7 +14,7 @@ import numpy as np
 
 from .arrays import larger
 from .compiled import inner_jit, kernel_jit
-from .geometry import polygon_moments
+from .geometry import cell_moments
 from .stencils import cubic, derivative_weno5, minmod
 
 RESTORE_AFTER = (
@@ -26,6 +26,7 @@ RESTORE_EVERY = (
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
 SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
+SHIFT_TRIALS = 40  # of the search for that shift: four on average, more where the surface has a corner on a node
 
 
 def needs_restoring(travel, steps):
@@ -422,34 +423,31 @@ def rows_below(reach, level_set, height):
 
 
 @kernel_jit()
-def volume(level_set, packing, reach):
+def volume(level_set, aperture, packing, reach):
     """Filled area in cells (multiply by dx dz for m2), each cell weighted by its `packing` (nx, nz).
+
+    It is the sum of `Geometry.filled`, with the faces of the gate open by `aperture` (nx + 1, nz): the volume that
+    the solve moves and that the series report.
 
     `reach` (nx,): rows of each column to visit; what is above is empty.
     """
     total = 0.0
     for i in range(level_set.shape[0] - 1):
         for k in range(reach[i]):
-            total += (
-                packing[i, k]
-                * polygon_moments(
-                    level_set[i, k],
-                    level_set[i + 1, k],
-                    level_set[i + 1, k + 1],
-                    level_set[i, k + 1],
-                )[0]
-            )
+            total += packing[i, k] * cell_moments(level_set, aperture, i, k)[0]
     return total
 
 
 @kernel_jit()
-def correct_volume(phi, mobility, packing, target, h):
+def correct_volume(phi, aperture, mobility, packing, target, h):
     """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
 
     Both are weighted by the packing, and so are the mass of the grains where that differs from 1.
 
     Parameters
     ----------
+    aperture : (nx + 1, nz) array
+        Open part of each x-face at the end of the step.
     mobility : (nx + 1, nz + 1) array
         Local share of the correction, in [0, 1]: where nothing moves nothing is corrected.
     packing : (nx, nz) array
@@ -459,22 +457,32 @@ def correct_volume(phi, mobility, packing, target, h):
     """
     reach = np.empty(packing.shape[0], np.int64)
     rows_below(reach, phi, SHIFT_MOST * h)
-    before = volume(phi, packing, reach)
+    before = volume(phi, aperture, packing, reach)
     missing = target - before
     if abs(missing) <= 1e-12 * target:
         return 0.0
     original = phi.copy()
+    most = SHIFT_MOST * h
+    low, high = -most, most
     q_old, gap_old = 0.0, missing
     q = 1e-4 * h if missing > 0.0 else -1e-4 * h
     gap = missing
-    for _ in range(12):
+    for _ in range(SHIFT_TRIALS):
         for i in range(phi.shape[0]):
             for k in range(phi.shape[1]):
                 phi[i, k] = original[i, k] - q * mobility[i, k]
-        gap = target - volume(phi, packing, reach)
+        gap = target - volume(phi, aperture, packing, reach)
         if abs(gap) <= 1e-12 * target or gap == gap_old:
+            break
+        if gap > 0.0:
+            low = q
+        else:
+            high = q
+        if not low < high:
             break
         q_next = q - gap * (q - q_old) / (gap - gap_old)
         q_old, gap_old = q, gap
-        q = min(max(q_next, -SHIFT_MOST * h), SHIFT_MOST * h)
+        q = min(max(q_next, -most), most)
+        if not low < q < high and abs(q) < most:  # where a corner of the surface is a node, V(q) is no straight line
+            q = 0.5 * (low + high)
     return missing - gap
