@@ -119,6 +119,13 @@ def rule_field_effects(case):
             yield "rheology.law", show(law), f'"mu_I" or "drucker_prager" with effects.{name}'
 
 
+def rule_dilatancy(case):
+    """Grains under suction have no friction, so contracting against it would be a source of energy."""
+    effect = case.effects.dilatancy
+    if effect is not None and effect.dilatancy_factor > 0.0 and not case.numerics.unilateral:
+        yield "numerics.unilateral", "false", "true (no suction) with effects.dilatancy"
+
+
 def rule_viscosity(case):
     """The viscosity effect has a viscous part to act on, and one way to act."""
     effect, law = case.effects.viscosity, case.rheology.law
@@ -194,6 +201,7 @@ RULES = (
     rule_cells,
     rule_domain,
     rule_outputs,
+    rule_dilatancy,
     rule_viscosity,
     rule_cohesion,
     rule_erodible_bed,

@@ -302,10 +302,10 @@ class Simulation:
         self._book_outflow(u_node, w_node, dt)
         target = (state.volume_0 - state.volume_outflow) * self.packing_0 / (dx * dz)
         added = (
-            level_set.correct_volume(
+            level_set.hold_volume(
                 state.level_set,
                 self._aperture(state.time + dt),
-                speed / fastest,
+                speed,
                 self._packing(),
                 target,
                 min(dx, dz),
@@ -360,9 +360,7 @@ class Simulation:
     def _aperture(self, time):
         """Open part of each x-face at `time`, (nx + 1, nz)."""
         aperture = np.ones_like(self.geometry.aperture)
-        open_fractions(
-            aperture, gate_height(time, self.lift), self.gate_column, self.spacing[1]
-        )
+        open_fractions(aperture, gate_height(time, self.lift), self.gate_column, self.spacing[1])
         return aperture
 
     def _place(self, time, closed=False):
@@ -552,7 +550,6 @@ class Simulation:
         """Static pressure behind the closed gate, with all friction at work; then at rest."""
         state = self.state
         self._place(0.0, closed=True)
-        state.volume_0 = initial_volume(state.level_set, self.geometry.aperture, self.grid)
         # Both methods start from the coupled solution: exact at once, where the projection would
         # need many steps.
         self._solve_coupled(
@@ -564,3 +561,4 @@ class Simulation:
         state.w[:] = 0.0
         state.bed_slip[:] = 0.0
         self._place(0.0)
+        state.volume_0 = initial_volume(state.level_set, self.geometry.aperture, self.grid)

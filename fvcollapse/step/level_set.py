@@ -26,6 +26,8 @@ RESTORE_EVERY = (
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
 SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
+MOVING = 0.01  # of the largest speed: where the swift surface alone cannot give the volume back, all that moves does
+VOLUME_TOLERANCE = 1.0e-12  # of the volume, at which a correction ends
 SHIFT_TRIALS = 40  # of the search for that shift: four on average, more where the surface has a corner on a node
 
 
@@ -438,9 +440,39 @@ def volume(level_set, aperture, packing, reach):
     return total
 
 
+def hold_volume(phi, aperture, speed, packing, target, h):
+    """Correct the filled area to `target` (cells) in proportion to the speed; return the volume added, cells.
+
+    The shift is limited (`SHIFT_MOST`). Where grains without pressure fly apart, the velocity diverges and the shift
+    of the swift surface does not suffice: all that moves (`MOVING`) then gives back the remainder.
+
+    Parameters
+    ----------
+    phi : (nx + 1, nz + 1) array
+        Level set after its motion, m; corrected in place.
+    aperture : (nx + 1, nz) array
+        Open part of each x-face at the end of the step.
+    speed : (nx + 1, nz + 1) array
+        Speed at the nodes, m/s; somewhere above zero.
+    packing : (nx, nz) array
+        Local density, relative to that of the target.
+    target : float
+        Filled area weighted by the packing, cells.
+    h : float
+        Cell size, m.
+    """
+    fastest = speed.max()
+    total, missing = correct_volume(phi, aperture, speed / fastest, packing, target, h)
+    if abs(missing) > VOLUME_TOLERANCE * target:
+        mobility = np.minimum(speed / (MOVING * fastest), 1.0)
+        added, _ = correct_volume(phi, aperture, mobility, packing, target, h)
+        total += added
+    return total
+
+
 @kernel_jit()
 def correct_volume(phi, aperture, mobility, packing, target, h):
-    """Shift phi by q * mobility (in place) until the filled area is `target` (cells); return the volume added.
+    """Shift phi by q * mobility (in place) until the filled area is `target`; return what was added and is missing, cells.
 
     Both are weighted by the packing, and so are the mass of the grains where that differs from 1.
 
@@ -459,8 +491,8 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
     rows_below(reach, phi, SHIFT_MOST * h)
     before = volume(phi, aperture, packing, reach)
     missing = target - before
-    if abs(missing) <= 1e-12 * target:
-        return 0.0
+    if abs(missing) <= VOLUME_TOLERANCE * target:
+        return 0.0, 0.0
     original = phi.copy()
     most = SHIFT_MOST * h
     low, high = -most, most
@@ -472,7 +504,7 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
             for k in range(phi.shape[1]):
                 phi[i, k] = original[i, k] - q * mobility[i, k]
         gap = target - volume(phi, aperture, packing, reach)
-        if abs(gap) <= 1e-12 * target or gap == gap_old:
+        if abs(gap) <= VOLUME_TOLERANCE * target or gap == gap_old:
             break
         if gap > 0.0:
             low = q
@@ -483,6 +515,8 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
         q_next = q - gap * (q - q_old) / (gap - gap_old)
         q_old, gap_old = q, gap
         q = min(max(q_next, -most), most)
-        if not low < q < high and abs(q) < most:  # where a corner of the surface is a node, V(q) is no straight line
+        if (
+            not low < q < high and abs(q) < most
+        ):  # where a corner of the surface is a node, V(q) is no straight line
             q = 0.5 * (low + high)
-    return missing - gap
+    return missing - gap, gap
