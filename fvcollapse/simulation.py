@@ -24,7 +24,7 @@ from .step.dilatancy import initial_fraction, limit_dilatancy
 from .step.energy import Outflow, loss_of_step, work_of_step
 from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
 from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import gate_height, gate_lift, open_fractions
+from .step.gate import gate_height, gate_lift, hold_at_gate, open_fractions
 from .step.geometry import allocate_geometry, repeat_columns, wetted_edge
 from .step.grain_response import (
     carry_response,
@@ -300,11 +300,13 @@ class Simulation:
         if fastest == 0.0:
             return 0.0
         self._book_outflow(u_node, w_node, dt)
+        aperture = self._aperture(state.time + dt)
+        hold_at_gate(speed, state.level_set, aperture, self.gate_column)
         target = (state.volume_0 - state.volume_outflow) * self.packing_0 / (dx * dz)
         added = (
             level_set.hold_volume(
                 state.level_set,
-                self._aperture(state.time + dt),
+                aperture,
                 speed,
                 self._packing(),
                 target,

@@ -21,6 +21,9 @@ from .geometry import WET, wetted_edge
 from .rheology import with_extra_friction
 
 
+CONTACT = 1.0e-3  # of the depth of the node behind the gate: a gap that is none
+
+
 class Lift(NamedTuple):
     """How the gate moves: speed (m/s, inf = removed at once), time constant and delay (s); foot: z at rest (m)."""
 
@@ -69,22 +72,46 @@ def open_fractions(aperture, height, column, dz):
             aperture[column, k] = rise if rise >= 1e-9 else 0.0
 
 
+def hold_at_gate(speed, level_set, aperture, column):
+    """Set the speed of the nodes between closed gate and grains to zero, in place: no correction may move that face.
+
+    Parameters
+    ----------
+    speed, level_set : (nx + 1, nz + 1) arrays
+        m/s, m.
+    aperture : (nx + 1, nz) array
+        Open part of each x-face.
+    column : int
+        Of the gate; negative without one.
+    """
+    if column > 0:
+        shut = (aperture[column] == 0.0) & (level_set[column - 1, :-1] < 0.0)
+        speed[column, :-1][shut] = 0.0
+
+
 @inner_jit()
 def fill_gate(gate_cover, level_set, aperture, column):
     """Wetted part, as a fraction of a cell, of each cell's stretch of the closed gate; 0 without a gate.
 
-    As in `fill_cells` the surface on the inner side continues straight through the gate.
+    As in `cell_moments` the surface on the inner side continues straight through the gate. The upright face of the
+    column coincides with the gate, so the level set is zero on it to round-off: a node is wet if it lies nearer to
+    the grains than `CONTACT` of the depth of the node behind it.
     """
     gate_cover[:] = 0.0
     if column < 2 or column >= aperture.shape[0]:
         return
     for k in range(gate_cover.size):
-        low = min(level_set[column, k], 2.0 * level_set[column - 1, k] - level_set[column - 2, k])
-        high = min(
-            level_set[column, k + 1],
-            2.0 * level_set[column - 1, k + 1] - level_set[column - 2, k + 1],
-        )
+        low = _at_gate(level_set, column, k)
+        high = _at_gate(level_set, column, k + 1)
         gate_cover[k] = (1.0 - aperture[column, k]) * wetted_edge(low, high)
+
+
+@inner_jit()
+def _at_gate(level_set, column, k):
+    """Level set of the inner side at node k of the gate, m, negative where the grains touch it."""
+    behind = level_set[column - 1, k]
+    continued = min(level_set[column, k], 2.0 * behind - level_set[column - 2, k])
+    return continued + CONTACT * min(behind, 0.0)
 
 
 @kernel_jit()

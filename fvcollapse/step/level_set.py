@@ -453,7 +453,7 @@ def hold_volume(phi, aperture, speed, packing, target, h):
     aperture : (nx + 1, nz) array
         Open part of each x-face at the end of the step.
     speed : (nx + 1, nz + 1) array
-        Speed at the nodes, m/s; somewhere above zero.
+        Speed at the nodes, m/s.
     packing : (nx, nz) array
         Local density, relative to that of the target.
     target : float
@@ -462,6 +462,8 @@ def hold_volume(phi, aperture, speed, packing, target, h):
         Cell size, m.
     """
     fastest = speed.max()
+    if fastest == 0.0:
+        return 0.0
     total, missing = correct_volume(phi, aperture, speed / fastest, packing, target, h)
     if abs(missing) > VOLUME_TOLERANCE * target:
         mobility = np.minimum(speed / (MOVING * fastest), 1.0)
