@@ -20,7 +20,6 @@ from .erodible_bed import layer_thickness
 from .geometry import WET, wetted_edge
 from .rheology import with_extra_friction
 
-
 CONTACT = 1.0e-3  # of the depth of the node behind the gate: a gap that is none
 
 
