@@ -7,6 +7,7 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
+from math import sqrt
 from typing import Annotated, Literal
 
 import msgspec
@@ -290,6 +291,11 @@ class Case(Section):
     time: Time = Time()
     numerics: Numerics = Numerics()
     effects: Effects = Effects()
+
+    @property
+    def longest_step(self):
+        """Longest time step [s]."""
+        return self.time.step_max or 0.01 * sqrt(self.geometry.height_0 / GRAVITY)
 
     def to_toml(self):
         """The full resolved case as TOML text; `case_from_text` reads back an equal case."""

@@ -146,7 +146,7 @@ class Simulation:
             raise NumericalError(f"{error} in a kernel", time=start.time) from error
 
     def _advance(self, start, time_limit):
-        dt = fit_to(time_limit, start.time, self._time_step())
+        dt = fit_to(time_limit, start.time, self._time_step(time_limit))
         for _ in range(HALVINGS + 1):
             outcome, correction, energy = self._try_step(start, dt)
             if outcome.info == 0 and self._last_change(outcome) <= CHANGE_LIMIT:
@@ -218,20 +218,24 @@ class Simulation:
         state.loss_advection += float(solved["kinetic"] - kinetic)
         return outcome, correction, solved | {"kinetic": kinetic}
 
-    def _time_step(self):
-        case, (dx, dz) = self.case, self.spacing
+    def _time_step(self, time_limit):
+        case, (dx, dz), time = self.case, self.spacing, self.state.time
         h = min(dx, dz)
-        step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
-        moving = self.gate_is_moving()
         fastest = max(largest(self.state.u), largest(self.state.w))  # beyond the surface too
         dt = min(
-            step_max,
+            case.longest_step,
             limit_advection(self.shape_factor * fastest, case.time.cfl, h),
             limit_surface_wave(GRAVITY, h),
-            limit_gate(self.lift.speed, moving, dz),
             limit_dilatancy(self.state.dilation_rate),
         )
-        return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
+        dt = (
+            min(dt, 1.1 * self.state.dt)
+            if self.state.dt > 0.0
+            else min(dt, 0.1 * case.longest_step)
+        )
+        return min(
+            dt, limit_gate(self.lift, time, self.grid.nz * dz, dz, fit_to(time_limit, time, dt))
+        )
 
     def gate_is_moving(self):
         """Whether the gate still touches the mass."""
