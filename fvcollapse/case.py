@@ -32,6 +32,9 @@ from fvcollapse.effects import with_effects
 from fvcollapse.errors import CaseError
 
 GRAVITY = 9.81  # m/s2, fixed
+DOMAIN_MAX = (
+    100.0  # of height and length of the column: a collapse that stops runs out a tenth of it
+)
 
 Seconds = Annotated[float, msgspec.Meta(ge=0)]
 Coordinate = Annotated[float, msgspec.Meta(ge=0, le=1000)]
@@ -143,6 +146,19 @@ class Boundary(Section):
             float,
             key(
                 "m", "length of the domain at the start; absent = sized by the solver", gt=0, le=1e5
+            ),
+        ]
+        | None
+    ) = None
+
+    domain_max: (
+        Annotated[
+            float,
+            key(
+                "m",
+                "greatest length to which the domain grows; absent = 100 (height_0 + length_0)",
+                gt=0,
+                le=1e5,
             ),
         ]
         | None
@@ -296,6 +312,13 @@ class Case(Section):
     def longest_step(self):
         """Longest time step [s]."""
         return self.time.step_max or 0.01 * sqrt(self.geometry.height_0 / GRAVITY)
+
+    @property
+    def domain_max(self):
+        """Greatest length to which the domain grows [m]."""
+        geometry, boundary = self.geometry, self.boundary
+        absent = DOMAIN_MAX * (geometry.height_max + max(geometry.length_max, geometry.length_0))
+        return boundary.domain_max or max(absent, boundary.domain_length or 0.0)
 
     def to_toml(self):
         """The full resolved case as TOML text; `case_from_text` reads back an equal case."""

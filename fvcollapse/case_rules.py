@@ -7,9 +7,12 @@ from math import atan, degrees, isfinite, radians, tan
 
 from fvcollapse.case_keys import key_metas, sections, show
 
-CELLS_MAX = 4_000_000  # in the initial column: more would not fit in the memory of a desktop
+CELLS_MAX = 4_000_000  # in the column, and of a domain that grows: more would not fit in the memory
 BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
-OUTPUTS_MAX = 1_000_000  # a shorter output interval is a slip of the pen
+OUTPUTS_MAX = 100_000  # profiles and fields; a shorter output interval is a slip of the pen
+STORED_MAX = 16e9  # bytes of profiles and fields before compression, on the grid of the start
+FIELD_BYTES, PROFILE_BYTES = 80.0, 16.0  # per cell of a field, per column of a profile
+STEPS_MAX = 1_000_000  # the series of as many take 1 GB of memory
 ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
 POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
@@ -93,15 +96,45 @@ def rule_domain(case):
     length = case.boundary.domain_length
     if length is not None and length <= column:
         yield "boundary.domain_length", f"{length:g}", f"> {column:g}, the length of the column"
+    least = max(column, length or 0.0)
+    if case.domain_max < least:
+        limit = f">= {least:g}, the length of the domain at the start"
+        yield "boundary.domain_max", f"{case.domain_max:g}", limit
 
 
 def rule_outputs(case):
-    """The number of outputs is sane."""
-    shortest = case.time.end / OUTPUTS_MAX
+    """The outputs are as many as can be stored."""
+    time, end = case.time, case.time.end
+    shortest = end / OUTPUTS_MAX
     for name in ("output_interval", "field_interval"):
-        interval = getattr(case.time, name)
+        interval = getattr(time, name)
         if interval < shortest:
             yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
+            return
+    extra = sum(moment <= end for moment in time.output_times)
+    if extra > OUTPUTS_MAX:
+        yield "time.output_times", f"{extra} times", f"at most {OUTPUTS_MAX:g} outputs"
+        return
+    height, length = case.geometry.height_max, case.geometry.length_max
+    columns = max(length, case.boundary.domain_length or 0.0) / case.grid.cell_size
+    cells = columns * height / (case.grid.cell_size_z or case.grid.cell_size)
+    for name, size in (
+        ("output_interval", PROFILE_BYTES * columns),
+        ("field_interval", FIELD_BYTES * cells),
+    ):
+        stored = size * (end / getattr(time, name) + extra)
+        if stored > STORED_MAX:
+            found = f"{getattr(time, name):g}, which stores {stored / 1e9:.3g} GB"
+            limit = f"{STORED_MAX / 1e9:g} GB in {STORED_MAX / size:.3g} outputs at most"
+            yield f"time.{name}", found, limit
+
+
+def rule_steps(case):
+    """The run ends within the number of steps whose record fits in the memory."""
+    latest = STEPS_MAX * case.longest_step
+    if case.time.end > latest:
+        limit = f"<= {latest:g}, which takes {STEPS_MAX:g} steps of {case.longest_step:g} s"
+        yield "time.end", f"{case.time.end:g}", limit
 
 
 FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
@@ -194,6 +227,7 @@ RULES = (
     rule_cells,
     rule_domain,
     rule_outputs,
+    rule_steps,
     rule_viscosity,
     rule_cohesion,
     rule_erodible_bed,

@@ -15,6 +15,7 @@ from .case import GRAVITY
 from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
+from .guards import refuse_growth
 from .state import crop, grow
 from .step import coupled, level_set, quantities
 from .step.arrays import largest
@@ -518,6 +519,8 @@ class Simulation:
         if filled[:, nz - 4 :].any():
             extra_z = MARGIN
         if extra_x or extra_z:
+            shape = nx + extra_x, nz + extra_z
+            refuse_growth(self.case, shape, self.spacing, self.state.time)
             self.state = self.state.copy()
             grow(self.state, extra_x, extra_z)
             extend_response(self.state, self.case, nx, nz)
