@@ -6,6 +6,7 @@ Each rule takes a case and yields (key, what was found, what is allowed) for wha
 from math import atan, degrees, isfinite, radians, tan
 
 from fvcollapse.case_keys import key_metas, sections, show
+from fvcollapse.well_posed import rule_regularised
 
 CELLS_MAX = 4_000_000  # in the column, and of a domain that grows: more would not fit in the memory
 BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
@@ -221,6 +222,7 @@ def rule_column_size(case):
 RULES = (
     rule_finite,
     rule_friction,
+    rule_regularised,
     rule_density,
     rule_polygon,
     rule_surface,

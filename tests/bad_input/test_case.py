@@ -114,7 +114,7 @@ MALFORMED = {
         "time.output_interval = 1e-9",
         "time.output_interval",
         "1e-09",
-        "1e+06 outputs",
+        "100000 outputs",
     ),
     "domain inside the column": (
         "boundary.domain_length = 0.1",
