@@ -3,24 +3,18 @@
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """
 
-from math import atan, degrees, isfinite, radians, tan
+from math import atan, degrees, inf, isfinite, radians, tan
 
 from fvcollapse.case_keys import key_metas, sections, show
+from fvcollapse.case_limits import LIMIT_RULES, ROUND_OFF
 from fvcollapse.well_posed import rule_regularised
 
-CELLS_MAX = 4_000_000  # in the column, and of a domain that grows: more would not fit in the memory
-BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
-OUTPUTS_MAX = 100_000  # profiles and fields; a shorter output interval is a slip of the pen
-STORED_MAX = 16e9  # bytes of profiles and fields before compression, on the grid of the start
-FIELD_BYTES, PROFILE_BYTES = 80.0, 16.0  # per cell of a field, per column of a profile
-STEPS_MAX = 1_000_000  # the series of as many take 1 GB of memory
-ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
 POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
 
 
 def rule_finite(case):
-    """Numbers are finite, except where inf is named."""
+    """Numbers are finite, except where inf is named; those beside inf are not too large."""
     for section, model in sections(type(case)):
         values = case
         for part in section.split("."):
@@ -29,6 +23,9 @@ def rule_finite(case):
             value = getattr(values, name, None)
             numbers = value if isinstance(value, tuple) else (value,)
             infinite = any(isinstance(number, float) and not isfinite(number) for number in numbers)
+            most = meta.extra["most"]
+            if most is not None and value is not None and most < value < inf:
+                yield f"{section}.{name}", show(value), f"a number {meta.extra['allowed']}"
             if infinite and not meta.extra["inf"]:
                 yield f"{section}.{name}", show(value), f"a finite number: {meta.extra['allowed']}"
 
@@ -71,26 +68,6 @@ def rule_surface(case):
         yield "geometry.height_0", f"{geometry.height_0:g}", limit
 
 
-def rule_cells(case):
-    """The column is resolved, and fits in the memory."""
-    height, length = case.geometry.height_max, case.geometry.length_max
-    size_x, size_z = case.grid.cell_size, case.grid.cell_size_z or case.grid.cell_size
-    for name, size in (("grid.cell_size", size_x), ("grid.cell_size_z", size_z)):
-        if size > 0.25 * height * ROUND_OFF:
-            yield name, f"{size:g}", f"<= {height / 4:g}, a quarter of the height {height:g}"
-    if size_x > case.geometry.length_0 * ROUND_OFF:
-        limit = f"<= geometry.length_0 = {case.geometry.length_0:g}"
-        yield "grid.cell_size", f"{size_x:g}", limit
-    cells = (height / size_z) * (length / size_x)
-    if cells > CELLS_MAX:
-        found = f"{size_x:g}, which makes {cells:.3g} cells in the column"
-        yield "grid.cell_size", found, f"sizes that make at most {CELLS_MAX:g} cells"
-    band = 32.0 * (length / size_x) * (height / size_z) ** 2  # bytes of the matrix of the column
-    if cells <= CELLS_MAX and band > BAND_MAX:
-        found = f"{size_x:g}, which needs a matrix of {band / 1e9:.3g} GB"
-        yield "grid.cell_size", found, f"sizes that need at most {BAND_MAX / 1e9:g} GB"
-
-
 def rule_domain(case):
     """The domain holds the column."""
     column = max(case.geometry.length_max, case.geometry.length_0)
@@ -101,41 +78,6 @@ def rule_domain(case):
     if case.domain_max < least:
         limit = f">= {least:g}, the length of the domain at the start"
         yield "boundary.domain_max", f"{case.domain_max:g}", limit
-
-
-def rule_outputs(case):
-    """The outputs are as many as can be stored."""
-    time, end = case.time, case.time.end
-    shortest = end / OUTPUTS_MAX
-    for name in ("output_interval", "field_interval"):
-        interval = getattr(time, name)
-        if interval < shortest:
-            yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
-            return
-    extra = sum(moment <= end for moment in time.output_times)
-    if extra > OUTPUTS_MAX:
-        yield "time.output_times", f"{extra} times", f"at most {OUTPUTS_MAX:g} outputs"
-        return
-    height, length = case.geometry.height_max, case.geometry.length_max
-    columns = max(length, case.boundary.domain_length or 0.0) / case.grid.cell_size
-    cells = columns * height / (case.grid.cell_size_z or case.grid.cell_size)
-    for name, size in (
-        ("output_interval", PROFILE_BYTES * columns),
-        ("field_interval", FIELD_BYTES * cells),
-    ):
-        stored = size * (end / getattr(time, name) + extra)
-        if stored > STORED_MAX:
-            found = f"{getattr(time, name):g}, which stores {stored / 1e9:.3g} GB"
-            limit = f"{STORED_MAX / 1e9:g} GB in {STORED_MAX / size:.3g} outputs at most"
-            yield f"time.{name}", found, limit
-
-
-def rule_steps(case):
-    """The run ends within the number of steps whose record fits in the memory."""
-    latest = STEPS_MAX * case.longest_step
-    if case.time.end > latest:
-        limit = f"<= {latest:g}, which takes {STEPS_MAX:g} steps of {case.longest_step:g} s"
-        yield "time.end", f"{case.time.end:g}", limit
 
 
 FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
@@ -226,10 +168,8 @@ RULES = (
     rule_density,
     rule_polygon,
     rule_surface,
-    rule_cells,
+    *LIMIT_RULES,
     rule_domain,
-    rule_outputs,
-    rule_steps,
     rule_viscosity,
     rule_cohesion,
     rule_erodible_bed,

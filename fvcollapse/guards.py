@@ -29,7 +29,7 @@ import math
 import numpy as np
 
 from .case import GRAVITY
-from .case_rules import CELLS_MAX, STEPS_MAX
+from .case_limits import CELLS_MAX, STEPS_MAX
 from .errors import LimitReached, NumericalError
 from .step.erodible_bed import layer_thickness
 from .step.gate import gate_lift, gate_velocity

@@ -41,8 +41,8 @@ def run(case, folder=None):
     """
     if folder is not None:
         return run_case(case, folder, quiet=True)
-    job = Job(case)
-    with progress_bar(case, 0.0, quiet=True) as bar:
+    with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
+        job = Job(case)
         job.march(bar)
     return Result(io.BytesIO(job.result_image(COMPLETE)))
 

@@ -40,7 +40,13 @@ from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
 from .step.place import place
 from .step.rheology import material
-from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+from .step.time_step import (
+    fit_to,
+    limit_advection,
+    limit_gate,
+    limit_surface_wave,
+    shortest,
+)
 from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
@@ -223,12 +229,15 @@ class Simulation:
         case, (dx, dz), time = self.case, self.spacing, self.state.time
         h = min(dx, dz)
         fastest = max(largest(self.state.u), largest(self.state.w))  # beyond the surface too
-        dt = min(
-            case.longest_step,
-            limit_advection(self.shape_factor * fastest, case.time.cfl, h),
-            limit_surface_wave(GRAVITY, h),
-            limit_dilatancy(self.state.dilation_rate),
-        )
+        limits = {
+            "the case": case.longest_step,
+            f"a speed of {fastest:.3g} m/s": limit_advection(
+                self.shape_factor * fastest, case.time.cfl, h
+            ),
+            "the free surface": limit_surface_wave(GRAVITY, h),
+            "dilatancy": limit_dilatancy(self.state.dilation_rate),
+        }
+        dt = shortest(limits, case.longest_step, time)
         dt = (
             min(dt, 1.1 * self.state.dt)
             if self.state.dt > 0.0

@@ -15,7 +15,7 @@ PACKAGE = Path(fvcollapse.__file__).parent
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
     "errors version",
-    "case_keys well_posed",
+    "case_keys case_limits well_posed",
     "case_rules case_effects",
     "effects",
     "case",

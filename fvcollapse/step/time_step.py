@@ -2,8 +2,10 @@
 
 import math
 
+from ..errors import NumericalError
 from .gate import gate_height
 
+LEAST_STEP = 1.0e-6  # of the longest step of a case
 UNCOVERED = 0.25  # cells that the gate uncovers per step at most
 NEWTON_MAX = 50  # iterations; four are enough from the upper bound that they start with
 
@@ -16,6 +18,32 @@ def limit_advection(speed_max, cfl, spacing):
 def limit_surface_wave(gravity, spacing):
     """The free surface is moved explicitly: half the period of the shortest gravity wave, s."""
     return 0.5 * math.sqrt(spacing / (math.pi * gravity))
+
+
+def shortest(limits, longest, time):
+    """The smallest of the limits that the terms set, s.
+
+    Parameters
+    ----------
+    limits : dict
+        {what sets it: limit in s}.
+    longest : float
+        Longest step of the case, s.
+    time : float
+        s.
+
+    Raises
+    ------
+    NumericalError
+        One is below `LEAST_STEP` of the longest step: such a run would never end.
+    """
+    least = LEAST_STEP * longest
+    for what, limit in limits.items():
+        if not limit >= least:  # true for NaN
+            raise NumericalError(
+                f"the time step falls below {least:.3g} s: {what} asks for {limit:.3g} s", time=time
+            )
+    return min(limits.values())
 
 
 def limit_gate(lift, time, top, spacing, dt):
