@@ -206,11 +206,12 @@ def converge(arguments):
     from fvcollapse.refinement_report import table, write_report
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
+    values = getattr(arguments, axis)
     folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
     records = refine(
         case,
         axis,
-        getattr(arguments, axis),
+        values,
         folder,
         workers=arguments.workers,
         quiet=arguments.quiet,
@@ -220,7 +221,8 @@ def converge(arguments):
     print(f"\n{table(records, axis, case)}\n")
     for path in paths:
         print(path)
-    return 0
+    finished = next(iter(records.values()))[axis]
+    return 0 if len(finished) == len(values) else 1
 
 
 def add_bench(commands):

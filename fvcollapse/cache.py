@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fvcollapse.case_keys import as_table, toml_lines
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
 from fvcollapse.extract import extract_image
 from fvcollapse.files import exclusive, write_atomic
 from fvcollapse.fingerprint import solver_version
@@ -187,7 +187,7 @@ def make_extract(case, place, quiet=True):
     Whoever is at it already is waited for.
     """
     work = place / WORK
-    with exclusive(place / LOCK):
+    with failures_named(), exclusive(place / LOCK):
         if read_extract(place, case) is None:
             # a longer run that was cut short is finished as such
             end = max(case.time.end, begun_end(work))

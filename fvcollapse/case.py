@@ -7,6 +7,7 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
+from math import sqrt
 from typing import Annotated, Literal
 
 import msgspec
@@ -31,6 +32,9 @@ from fvcollapse.effects import with_effects
 from fvcollapse.errors import CaseError
 
 GRAVITY = 9.81  # m/s2, fixed
+DOMAIN_MAX = (
+    100.0  # of height and length of the column: a collapse that stops runs out a tenth of it
+)
 
 Seconds = Annotated[float, msgspec.Meta(ge=0)]
 Coordinate = Annotated[float, msgspec.Meta(ge=0, le=1000)]
@@ -41,13 +45,13 @@ class Geometry(Section):
 
     slope_angle_deg: Annotated[float, key("deg", "inclination of the bed", ge=0, le=30)] = 22.0
     height_0: Annotated[
-        float, key("m", "initial height of the column, normal to the bed", gt=0, le=1000)
+        float, key("m", "initial height of the column, normal to the bed", ge=1e-6, le=1000)
     ] = 0.14
     length_0: Annotated[
-        float, key("m", "initial length of the column; the gate stands there", gt=0, le=1000)
+        float, key("m", "initial length of the column; the gate stands there", ge=1e-6, le=1000)
     ] = 0.20
     channel_width: Annotated[
-        float, key("m", "channel width; inf = no lateral walls", gt=0, inf=True)
+        float, key("m", "channel width; inf = no lateral walls", ge=1e-6, inf=True, most=1e6)
     ] = 0.10
     polygon: (
         Annotated[
@@ -78,10 +82,13 @@ class Grid(Section):
     """The cells. The solver rounds the sizes a little, so that the gate is a grid line."""
 
     cell_size: Annotated[
-        float, key("m", "cell size along the bed; at most a quarter of the height", gt=0, le=1000)
+        float,
+        key("m", "cell size along the bed; at most a quarter of the height", ge=1e-9, le=1000),
     ] = 0.006
     cell_size_z: (
-        Annotated[float, key("m", "cell size normal to the bed; absent = cell_size", gt=0, le=1000)]
+        Annotated[
+            float, key("m", "cell size normal to the bed; absent = cell_size", ge=1e-9, le=1000)
+        ]
         | None
     ) = None
 
@@ -100,20 +107,20 @@ class Rheology(Section):
     mu_2: Annotated[
         float, key("-", "friction coefficient at high inertial number; >= mu_1", ge=0, le=10)
     ] = 0.73
-    I_0: Annotated[float, key("-", "inertial-number scale of mu(I)", gt=0, le=1000)] = 0.279
+    I_0: Annotated[float, key("-", "inertial-number scale of mu(I)", ge=1e-9, le=1000)] = 0.279
     viscosity: Annotated[
         float, key("Pa s", "viscosity of the constant-viscosity laws", ge=0, le=1e6)
     ] = 0.4
     cohesion: Annotated[float, key("Pa", "yield stress at zero pressure", ge=0, le=1e9)] = 0.0
-    grain_diameter: Annotated[float, key("m", "grain diameter", gt=0, le=1)] = 7e-4
-    density_grain: Annotated[float, key("kg/m3", "density of the grain material", gt=0, le=1e5)] = (
-        2500.0
-    )
+    grain_diameter: Annotated[float, key("m", "grain diameter", ge=1e-9, le=1)] = 7e-4
+    density_grain: Annotated[
+        float, key("kg/m3", "density of the grain material", ge=0.001, le=1e5)
+    ] = 2500.0
     density_bulk: Annotated[
-        float, key("kg/m3", "density of the packed grains; <= density_grain", gt=0, le=1e5)
+        float, key("kg/m3", "density of the packed grains; <= density_grain", ge=0.001, le=1e5)
     ] = 1550.0
     alpha_regularised: Annotated[
-        float, key("-", "alpha of the partially regularised mu(I)", gt=0, le=1000)
+        float, key("-", "alpha of the partially regularised mu(I)", ge=0.001, le=1000)
     ] = 1.9
     mu_infinity: Annotated[
         float, key("-", "growth of mu with I of the partially regularised mu(I)", ge=0, le=10)
@@ -124,10 +131,14 @@ class Boundary(Section):
     """Bed, back wall and the far end of the channel."""
 
     mu_bed: Annotated[
-        float, key("-", "friction on the bed; 0 = free slip, inf = no slip", ge=0, inf=True)
+        float,
+        key("-", "friction on the bed; 0 = free slip, inf = no slip", ge=0, inf=True, most=1e6),
     ] = 0.48
     mu_back_wall: Annotated[
-        float, key("-", "friction on the back wall; 0 = free slip, inf = no slip", ge=0, inf=True)
+        float,
+        key(
+            "-", "friction on the back wall; 0 = free slip, inf = no slip", ge=0, inf=True, most=1e6
+        ),
     ] = 0.48
     right_end: Annotated[
         Literal["grow", "open", "error"],
@@ -147,12 +158,32 @@ class Boundary(Section):
         | None
     ) = None
 
+    domain_max: (
+        Annotated[
+            float,
+            key(
+                "m",
+                "greatest length to which the domain grows; absent = 100 (height_0 + length_0)",
+                gt=0,
+                le=1e5,
+            ),
+        ]
+        | None
+    ) = None
+
 
 class Gate(Section):
     """The gate, lifted normal to the bed."""
 
     speed: Annotated[
-        float, key("m/s", "lifting speed; 0 = stays closed, inf = removed at once", ge=0, inf=True)
+        float,
+        key(
+            "m/s",
+            "lifting speed; 0 = stays closed, inf = removed at once",
+            ge=0,
+            inf=True,
+            most=1e6,
+        ),
     ] = 2.3
     time_constant: Annotated[
         float,
@@ -186,7 +217,7 @@ class Time(Section):
         ]
         | None
     ) = None
-    cfl: Annotated[float, key("-", "largest Courant number", gt=0, le=1)] = 0.5
+    cfl: Annotated[float, key("-", "largest Courant number", ge=0.001, le=1)] = 0.5
 
 
 class Numerics(Section):
@@ -200,7 +231,7 @@ class Numerics(Section):
         float, key("1/s", "shear rate below which the yield stress is regularised", ge=1e-12, le=1)
     ] = 5e-4
     tolerance: Annotated[
-        float, key("-", "nonlinear iteration: largest relative residual", gt=0, lt=1)
+        float, key("-", "nonlinear iteration: largest relative residual", ge=1e-14, lt=1)
     ] = 1e-3
     film_thickness: Annotated[
         float,
@@ -290,6 +321,18 @@ class Case(Section):
     time: Time = Time()
     numerics: Numerics = Numerics()
     effects: Effects = Effects()
+
+    @property
+    def longest_step(self):
+        """Longest time step [s]."""
+        return self.time.step_max or 0.01 * sqrt(self.geometry.height_0 / GRAVITY)
+
+    @property
+    def domain_max(self):
+        """Greatest length to which the domain grows [m]."""
+        geometry, boundary = self.geometry, self.boundary
+        absent = DOMAIN_MAX * (geometry.height_max + max(geometry.length_max, geometry.length_0))
+        return boundary.domain_max or max(absent, boundary.domain_length or 0.0)
 
     def to_toml(self):
         """The full resolved case as TOML text; `case_from_text` reads back an equal case."""

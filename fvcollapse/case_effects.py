@@ -15,7 +15,13 @@ class Gate(Section):
     speed: (
         Annotated[
             float,
-            key("m/s", "lifting speed instead of gate.speed; absent = that one", ge=0, inf=True),
+            key(
+                "m/s",
+                "lifting speed instead of gate.speed; absent = that one",
+                ge=0,
+                inf=True,
+                most=1e6,
+            ),
         ]
         | None
     ) = None
@@ -42,7 +48,7 @@ class TransverseProfile(Section):
     """A flow that is faster in the middle of the channel than at its lateral walls."""
 
     velocity_ratio: Annotated[
-        float, key("-", "velocity in the middle over that at the walls", ge=1, inf=True)
+        float, key("-", "velocity in the middle over that at the walls", ge=1, inf=True, most=1e6)
     ] = 1.0
     view: Annotated[
         Literal["average", "wall", "centre"],

@@ -19,7 +19,7 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     """A table of the case file: unknown keys refused, no silent conversion, never changed."""
 
 
-def key(unit, description, allowed=None, inf=False, **limits):
+def key(unit, description, allowed=None, inf=False, most=None, **limits):
     """What a user must know of a key of the case file, beside its type and default.
 
     Parameters
@@ -30,11 +30,15 @@ def key(unit, description, allowed=None, inf=False, **limits):
         Range in words; without it the words follow from the type and the limits.
     inf : bool
         Whether `inf` is a legal value; otherwise numbers are finite. NaN never is legal.
+    most : float, optional
+        Largest finite value of a key that may be inf.
     **limits : float
         Range: gt, ge, lt, le.
     """
-    words = " and ".join(f"{LIMIT_SIGNS[name]} {limit:g}" for name, limit in limits.items())
-    extra = {"unit": unit, "allowed": allowed or words + (", or inf" if inf else ""), "inf": inf}
+    ends = limits if most is None else limits | {"le": most}
+    words = " and ".join(f"{LIMIT_SIGNS[name]} {limit:g}" for name, limit in ends.items())
+    words = allowed or words + (", or inf" if inf else "")
+    extra = {"unit": unit, "allowed": words, "inf": inf, "most": most}
     return msgspec.Meta(description=description, extra=extra, **limits)
 
 

@@ -3,20 +3,18 @@
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """
 
-from math import atan, degrees, isfinite, radians, tan
+from math import atan, degrees, inf, isfinite, radians, tan
 
 from fvcollapse.case_keys import key_metas, sections, show
+from fvcollapse.case_limits import LIMIT_RULES, ROUND_OFF
+from fvcollapse.well_posed import rule_regularised
 
-CELLS_MAX = 4_000_000  # in the initial column: more would not fit in the memory of a desktop
-BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
-OUTPUTS_MAX = 1_000_000  # a shorter output interval is a slip of the pen
-ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
 POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
 
 
 def rule_finite(case):
-    """Numbers are finite, except where inf is named."""
+    """Numbers are finite, except where inf is named; those beside inf are not too large."""
     for section, model in sections(type(case)):
         values = case
         for part in section.split("."):
@@ -25,6 +23,9 @@ def rule_finite(case):
             value = getattr(values, name, None)
             numbers = value if isinstance(value, tuple) else (value,)
             infinite = any(isinstance(number, float) and not isfinite(number) for number in numbers)
+            most = meta.extra["most"]
+            if most is not None and value is not None and most < value < inf:
+                yield f"{section}.{name}", show(value), f"a number {meta.extra['allowed']}"
             if infinite and not meta.extra["inf"]:
                 yield f"{section}.{name}", show(value), f"a finite number: {meta.extra['allowed']}"
 
@@ -67,41 +68,16 @@ def rule_surface(case):
         yield "geometry.height_0", f"{geometry.height_0:g}", limit
 
 
-def rule_cells(case):
-    """The column is resolved, and fits in the memory."""
-    height, length = case.geometry.height_max, case.geometry.length_max
-    size_x, size_z = case.grid.cell_size, case.grid.cell_size_z or case.grid.cell_size
-    for name, size in (("grid.cell_size", size_x), ("grid.cell_size_z", size_z)):
-        if size > 0.25 * height * ROUND_OFF:
-            yield name, f"{size:g}", f"<= {height / 4:g}, a quarter of the height {height:g}"
-    if size_x > case.geometry.length_0 * ROUND_OFF:
-        limit = f"<= geometry.length_0 = {case.geometry.length_0:g}"
-        yield "grid.cell_size", f"{size_x:g}", limit
-    cells = (height / size_z) * (length / size_x)
-    if cells > CELLS_MAX:
-        found = f"{size_x:g}, which makes {cells:.3g} cells in the column"
-        yield "grid.cell_size", found, f"sizes that make at most {CELLS_MAX:g} cells"
-    band = 32.0 * (length / size_x) * (height / size_z) ** 2  # bytes of the matrix of the column
-    if cells <= CELLS_MAX and band > BAND_MAX:
-        found = f"{size_x:g}, which needs a matrix of {band / 1e9:.3g} GB"
-        yield "grid.cell_size", found, f"sizes that need at most {BAND_MAX / 1e9:g} GB"
-
-
 def rule_domain(case):
     """The domain holds the column."""
     column = max(case.geometry.length_max, case.geometry.length_0)
     length = case.boundary.domain_length
     if length is not None and length <= column:
         yield "boundary.domain_length", f"{length:g}", f"> {column:g}, the length of the column"
-
-
-def rule_outputs(case):
-    """The number of outputs is sane."""
-    shortest = case.time.end / OUTPUTS_MAX
-    for name in ("output_interval", "field_interval"):
-        interval = getattr(case.time, name)
-        if interval < shortest:
-            yield f"time.{name}", f"{interval:g}", f">= {shortest:g}, {OUTPUTS_MAX:g} outputs"
+    least = max(column, length or 0.0)
+    if case.domain_max < least:
+        limit = f">= {least:g}, the length of the domain at the start"
+        yield "boundary.domain_max", f"{case.domain_max:g}", limit
 
 
 FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
@@ -195,12 +171,12 @@ def rule_column_size(case):
 RULES = (
     rule_finite,
     rule_friction,
+    rule_regularised,
     rule_density,
     rule_polygon,
     rule_surface,
-    rule_cells,
+    *LIMIT_RULES,
     rule_domain,
-    rule_outputs,
     rule_dilatancy,
     rule_viscosity,
     rule_cohesion,

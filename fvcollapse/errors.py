@@ -1,5 +1,7 @@
 """What can go wrong, named: every failure is one line that says what and where."""
 
+import traceback
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -60,6 +62,10 @@ class NumericalError(FvcollapseError):
         return one_line(", ".join(part for part in (self.what, self.where, moment) if part))
 
 
+class LimitReached(NumericalError):
+    """A run that is sound so far but outgrows a stated limit; what was computed is kept (exit status 1)."""
+
+
 class OutputError(FvcollapseError):
     """A file cannot be written: folder not writable, disk full, ...
 
@@ -82,6 +88,55 @@ class OutputError(FvcollapseError):
     def __str__(self):
         problem = getattr(self.problem, "strerror", None) or self.problem
         return one_line(f"{self.path}: cannot be written: {problem}")
+
+
+def named_failure(error, time=float("nan")):
+    """Whatever ended a computation as an error on purpose: itself if it is one, else a NumericalError.
+
+    Parameters
+    ----------
+    error : Exception
+    time : float
+        Simulated time [s].
+
+    Returns
+    -------
+    FvcollapseError
+    """
+    if isinstance(error, FvcollapseError):
+        return error
+    if isinstance(error, MemoryError):
+        what = "the memory is exhausted; a coarser grid or fewer outputs need less"
+        return NumericalError(what, time=time)
+    message = f": {error}" if str(error) else ""
+    return NumericalError(f"unexpected {type(error).__name__}{message}", origin(error), time)
+
+
+def origin(error):
+    """File and line that raised an error, "" if unknown."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return f"in {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
+
+
+@contextmanager
+def failures_named():
+    """Raise whatever goes wrong inside as an error on purpose (see `named_failure`).
+
+    For one run among many: an unexpected error of one must not end the others.
+    """
+    try:
+        yield
+    except FvcollapseError:
+        raise
+    except Exception as error:
+        raise named_failure(error) from error
+
+
+def as_output_error(error, path, running):
+    """The error of a file at `path` that could not be written: a MemoryError leaves the previous one."""
+    if isinstance(error, OutputError):
+        return error
+    return OutputError(path, "no memory to build the file; the previous one is kept", running)
 
 
 def refuse_bad_target(path):

@@ -13,7 +13,7 @@ import numpy as np
 from fvcollapse.checkpoint import write_header
 from fvcollapse.files import build_image, write_dataset
 from fvcollapse.recorder import PROFILES, SERIES, STEPS
-from fvcollapse.result import FORMAT, Result
+from fvcollapse.result import FORMAT, Result, write_status
 
 INTERVAL = 0.005  # s between rows of the series
 RESOLUTION = 2.0**-18  # m, 4 micrometres: trailing zeros compress
@@ -27,7 +27,7 @@ def extract_image(result):
     def fill(file):
         write_header(file, FORMAT, result.case)
         file.attrs["code_version"] = result.code_version
-        file.attrs["complete"] = result.complete
+        write_status(file, result.status, result.trust)
         rows = kept_rows(result.series["time"])
         for name, about in SERIES.items():
             kind = np.float64 if name == "time" else np.float32

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
 from fvcollapse.files import exclusive
 from fvcollapse.output import CHECKPOINT, RESULT, run_case
 from fvcollapse.recorder import SAME_TIME
@@ -20,9 +20,11 @@ def run_member(case, folder, quiet=True):
     ------
     InputError
         The folder holds a run of another case, or one to a later end.
+    NumericalError
+        Whatever else went wrong.
     """
     folder = Path(folder)
-    with exclusive(folder / LOCK):
+    with failures_named(), exclusive(folder / LOCK):
         started = (folder / RESULT).exists() or (folder / CHECKPOINT).exists()
         result = run_case(case, folder, resume=started, quiet=quiet)
     if result.case.time.end > case.time.end + SAME_TIME:
@@ -31,19 +33,32 @@ def run_member(case, folder, quiet=True):
         raise InputError(folder / RESULT, "time.end", found, allowed)
 
 
-def run_members(cases, workers=1, quiet=True, run=run_member, tell=print):
-    """Run what is not finished of {folder: case}; the first failure ends the study.
+def run_members(cases, workers=1, quiet=True, run=run_member, tell=print, failed=None):
+    """Run what is not finished of {folder: case}; `tell` gets a line of text of each that is done.
 
     What is finished is kept; a member that was running leaves its checkpoint. The next call
     continues both.
+
+    Parameters
+    ----------
+    failed : function, optional
+        Called with the folder and the NumericalError of a member that fails, while the others go on;
+        without it the first failure ends the study.
+
+    Raises
+    ------
+    NumericalError, OutputError, InputError
     """
 
     def finished(folder, outcome):
         if isinstance(outcome, NumericalError):
-            raise NumericalError(f"{folder}: {outcome.what}", outcome.where, outcome.time)
-        if isinstance(outcome, FvcollapseError):
+            if failed is None:
+                raise NumericalError(f"{folder}: {outcome.what}", outcome.where, outcome.time)
+            failed(folder, outcome)
+        elif isinstance(outcome, FvcollapseError):
             raise outcome
-        tell(f"{folder}: done")
+        else:
+            tell(f"{folder}: done")
 
     # the finest takes longest: among several it starts first
     folders = list(cases) if workers == 1 else list(reversed(cases))

@@ -16,11 +16,13 @@ from threadpoolctl import threadpool_limits
 from fvcollapse.case import case_from_text
 from fvcollapse.checkpoint import checkpoint_image, read_checkpoint, write_header
 from fvcollapse.console import deferred_interrupt, log_start, progress_bar, run_log
-from fvcollapse.errors import InputError, NumericalError, OutputError
+from fvcollapse.errors import InputError, OutputError, as_output_error, failures_named
 from fvcollapse.files import build_image, write_atomic
 from fvcollapse.recorder import SAME_TIME, Recorder, schedule
-from fvcollapse.result import FORMAT, Result, open_result
+from fvcollapse.result import FORMAT, Result, open_result, write_status
 from fvcollapse.simulation import Simulation
+from fvcollapse.stepping import ending, guarded_step, guards_of, trust_of_record
+from fvcollapse.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.xdmf import xdmf_text
 
 RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
@@ -39,10 +41,10 @@ def run(case, folder=None):
     """
     if folder is not None:
         return run_case(case, folder, quiet=True)
-    job = Job(case)
-    with progress_bar(case, 0.0, quiet=True) as bar:
+    with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
+        job = Job(case)
         job.march(bar)
-    return Result(io.BytesIO(job.result_image(complete=True)))
+    return Result(io.BytesIO(job.result_image(COMPLETE)))
 
 
 def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL):
@@ -68,7 +70,7 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
     OutputError
         The folder is not writable, or the disk is full; the previous files are intact.
     NumericalError, KeyboardInterrupt
-        After the last good state was saved.
+        After the last good state was saved. A want of memory, say, is a NumericalError too.
     """
     folder = Path(folder)
     if not resume:
@@ -85,9 +87,10 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
         log_start(log, case, stored)
-        job = Job(case, stored)
+        with failures_named():
+            job = Job(case, stored)
         keeper = Keeper(job, folder, log, checkpoint_interval)
-        keeper.save(complete=False)
+        keeper.save(RUNNING)
         with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
             keeper.march(bar, interrupted)
         result = open_result(folder)
@@ -108,6 +111,7 @@ class Job:
             self.simulation, self.recorder = Simulation(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
         self.state = self.simulation.state.copy()  # the last good state
+        self.guards = guards_of(self.simulation, self.recorder)
 
     def march(self, bar, after_step=lambda record: None):
         """Step from the present time to the end of the case, landing on every scheduled time."""
@@ -123,13 +127,7 @@ class Job:
 
     def step(self, landing):
         """One step towards a landing, recorded; return its `StepRecord`."""
-        start = time.perf_counter()
-        record = self.simulation.advance(landing.time)
-        self.recorder.add_step(record, time.perf_counter() - start)
-        self.recorder.add_series(self.simulation)
-        if self.simulation.state.time >= landing.time - SAME_TIME:
-            self.recorder.add_snapshot(self.simulation, landing)
-        self.state = self.simulation.state.copy()
+        record, self.state = guarded_step(self.simulation, self.recorder, self.guards, landing)
         return record
 
     def consistent(self):
@@ -140,12 +138,12 @@ class Job:
         """checkpoint.h5 as bytes."""
         return checkpoint_image(self.case, self.state, self.recorder)
 
-    def result_image(self, complete):
-        """result.h5 as bytes."""
+    def result_image(self, status):
+        """result.h5 as bytes; `status` says how far the run is (see `Result`)."""
 
         def fill(file):
             write_header(file, FORMAT, self.case)
-            file.attrs["complete"] = complete
+            write_status(file, status, trust_of_record(self.recorder, status, self.case))
             self.recorder.write(file)
 
         return build_image(fill)
@@ -166,17 +164,26 @@ class Keeper:
             if interrupted():
                 raise KeyboardInterrupt
             if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
-                self.save(complete=False)
+                self.save(RUNNING)
 
         self.running = True
         try:
             self.job.march(bar, after_step)
-        except (NumericalError, KeyboardInterrupt) as error:
-            self.log.error("stopped: %s", error if str(error) else "interrupted")
-            if self.job.consistent():
-                self.save(complete=False)
+        except OutputError:  # the log says so already
             raise
-        self.save(complete=True)
+        except KeyboardInterrupt:
+            self.log.error("stopped: interrupted")
+            if self.job.consistent():
+                self.save(INTERRUPTED)
+            raise
+        except Exception as error:
+            failure, status = ending(error, self.job.state.time)
+            self.log.error("stopped: %s", failure, exc_info=None if failure is error else error)
+            self.save(status)
+            if failure is error:
+                raise
+            raise failure from error
+        self.save(COMPLETE)
 
     def note(self, record):
         """Log a capped step."""
@@ -193,17 +200,18 @@ class Keeper:
         if self.capped == CAPPED_LOGGED:
             self.log.warning("further capped steps are only counted")
 
-    def save(self, complete):
+    def save(self, status):
         """Checkpoint, result and XDMF file, in this order, each replaced atomically."""
         start = time.monotonic()
         job = self.job
         try:
             write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
-            write_atomic(self.folder / RESULT, job.result_image(complete), self.running)
+            write_atomic(self.folder / RESULT, job.result_image(status), self.running)
             write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
-        except OutputError as error:
+        except (OutputError, MemoryError) as problem:
+            error = as_output_error(problem, self.folder, self.running)
             self.log.error("%s", error)
-            raise
+            raise error from None
         self.saved_at = time.monotonic()
         self.cost = self.saved_at - start
         self.log.info(

@@ -19,6 +19,8 @@ solve is; of the regularisation, because a layer at rest creeps in proportion to
 more are also fitted all together (`fvcollapse.least_squares`).
 """
 
+import csv
+import io
 import math
 from pathlib import Path
 from typing import NamedTuple
@@ -31,7 +33,8 @@ from fvcollapse.convergence import (
     spread,
     successive,
 )
-from fvcollapse.errors import CaseError, InputError, OutputError
+from fvcollapse.errors import CaseError, InputError, NumericalError, OutputError
+from fvcollapse.files import write_atomic
 from fvcollapse.grid import spacing
 from fvcollapse.least_squares import fit
 from fvcollapse.members import run_members
@@ -79,6 +82,7 @@ OBSERVABLES = {  # keys of the summary, and their units
 FORMAL_ORDER = 1.0
 PROFILE = "profile_l1"
 UNITS = OBSERVABLES | {PROFILE: "1"}
+MEMBERS = "members.csv"
 SAME_VALUE = 1.0e-9  # relative
 
 
@@ -154,7 +158,15 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
     Returns
     -------
     dict of dict
-        {observable: record}, see `record`.
+        {observable: record}, see `record`, of the members that finished. `members.csv` in the folder
+        says how each ended.
+
+    Raises
+    ------
+    InputError, OutputError
+        Before anything runs.
+    NumericalError
+        Fewer than three members finish.
     """
     if workers < 1:
         raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
@@ -166,8 +178,42 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
-    run_members(cases, min(workers, len(cases)), quiet, tell=tell)
-    return study(axis, ordered, [open_result(member) for member in cases])
+    failures = {}
+    width = min(workers, len(cases))
+    run_members(cases, width, quiet, tell=tell, failed=failures.__setitem__)
+    write_members(folder / MEMBERS, axis, dict(zip(ordered, cases, strict=True)), failures)
+    for member, error in failures.items():
+        tell(f"{member}: failed: {error}")
+    done = {
+        value: member
+        for value, member in zip(ordered, cases, strict=True)
+        if member not in failures
+    }
+    if len(done) < 3:
+        what = f"{len(failures)} of {len(cases)} members failed, three must finish"
+        raise NumericalError(f"{what}; the last: {list(failures.values())[-1]}")
+    return study(axis, list(done), [open_result(member) for member in done.values()])
+
+
+def write_members(path, axis, members, failures):
+    """Write how each member ended: its value, status (complete, failed) and the problem, as CSV.
+
+    Parameters
+    ----------
+    path : Path
+    axis : str
+    members : dict
+        {value: folder}.
+    failures : dict
+        {folder: NumericalError}.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([axis, "status", "problem"])
+    for value, folder in members.items():
+        problem = failures.get(folder, "")
+        writer.writerow([value, "failed" if problem else "complete", problem])
+    write_atomic(path, text.getvalue().encode())
 
 
 def study(axis, values, results):

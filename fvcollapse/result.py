@@ -1,6 +1,7 @@
 """A result, read only: series, profiles, fields, and its summary."""
 
 import io
+import json
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from fvcollapse.case import case_from_text
 from fvcollapse.files import reading, text_attribute
 from fvcollapse.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.recorder import SERIES, check_layout, read_series
+from fvcollapse.trust import COMPLETE, INTERRUPTED, Trust, trust_of
 
 FORMAT = "fvcollapse-result"
 
@@ -33,7 +35,11 @@ class Result:
     profiles : Profiles
     case : Case
     complete : bool
-        False while the run goes on, or after it was interrupted.
+        False while the run goes on, or after it was interrupted or failed.
+    status : str
+        "complete", "running", "interrupted", "stopped: why" (a stated limit) or "failed: why".
+    trust : Trust
+        Whether the result is to be used, and why not.
     field_times : (n_fields,) array
     path : Path or None
         None for a run in memory.
@@ -45,13 +51,19 @@ class Result:
         with reading(source, FORMAT) as file:
             check_layout(file)
             self.complete = bool(file.attrs["complete"])
+            self.status = read_status(file, self.complete)
             self.code_version = text_attribute(file, "code_version")
             self.case_text = text_attribute(file, "case")
             self.series = read_series(file)
             self.steps = {name: data[:] for name, data in file["steps"].items()}
             self.profiles = Profiles(*(file["profiles"][name][:] for name in Profiles._fields))
             self.field_times = read_field_times(file)
+            trust = read_trust(file)
         self.case = case_from_text(self.case_text, self.path or "result")
+        capped, count = int(self.steps["capped"].sum()), len(self.steps["capped"])
+        self.trust = trust or trust_of(
+            self.status, self.series["relative_volume"], capped, count, self.case
+        )
 
     def __getattr__(self, name):
         if name in SERIES:
@@ -72,6 +84,9 @@ class Result:
         peak, peak_time = peak_front_velocity(series["time"], series["front_velocity"])
         return {
             "complete": self.complete,
+            "status": self.status,
+            "trust": self.trust.verdict,
+            "trust_reasons": "; ".join(self.trust.reasons),
             "time": float(series["time"][-1]),
             "runout_10mm": float(series["runout_10mm"][-1]),
             "runout": float(series["runout"][-1]),
@@ -116,6 +131,37 @@ def open_result(path):
     return Result(path / "result.h5" if path.is_dir() else path)
 
 
+def write_status(file, status, trust):
+    """How the run stands, and whether it is to be trusted, as root attributes of an open result.
+
+    Parameters
+    ----------
+    file : h5py.File
+    status : str
+        See `Result`.
+    trust : Trust
+    """
+    file.attrs["complete"] = status == COMPLETE
+    file.attrs["status"] = status
+    file.attrs["trust"] = trust.verdict
+    file.attrs["trust_reasons"] = json.dumps(trust.reasons)
+
+
+def read_status(file, complete):
+    """`Result.status`; of a file that was written before there was such an attribute, what it implies."""
+    if "status" in file.attrs:
+        return text_attribute(file, "status")
+    return COMPLETE if complete else INTERRUPTED
+
+
+def read_trust(file):
+    """The `Trust` in a file; None if it was written before there was one."""
+    if "trust" not in file.attrs:
+        return None
+    reasons = json.loads(text_attribute(file, "trust_reasons"))
+    return Trust(text_attribute(file, "trust"), tuple(map(str, reasons)))
+
+
 def read_field_times(file):
     """Times of the fields in order; the groups are numbered from 0."""
     fields = file["fields"]
@@ -142,6 +188,7 @@ def summary_rows(summary, case):
             f"{s['time']:.4g} s"
             + ("" if s["complete"] else f" of {case.time.end:g} s (incomplete)"),
         ),
+        ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
         (f"runout at {1000 * case.front.thickness:g} mm thickness", f"{s['runout']:.4f} m"),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),

@@ -15,6 +15,7 @@ from .case import GRAVITY
 from .effects import with_effects
 from .errors import NumericalError
 from .grid import Grid, gate_column
+from .guards import refuse_growth
 from .state import crop, grow
 from .step import coupled, level_set, quantities
 from .step.arrays import largest
@@ -39,7 +40,13 @@ from .step.lateral_friction import brake_before_solve
 from .step.momentum import advect_momentum
 from .step.place import place
 from .step.rheology import material
-from .step.time_step import fit_to, limit_advection, limit_gate, limit_surface_wave
+from .step.time_step import (
+    fit_to,
+    limit_advection,
+    limit_gate,
+    limit_surface_wave,
+    shortest,
+)
 from .step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
@@ -146,7 +153,7 @@ class Simulation:
             raise NumericalError(f"{error} in a kernel", time=start.time) from error
 
     def _advance(self, start, time_limit):
-        dt = fit_to(time_limit, start.time, self._time_step())
+        dt = fit_to(time_limit, start.time, self._time_step(time_limit))
         for _ in range(HALVINGS + 1):
             outcome, correction, energy = self._try_step(start, dt)
             if outcome.info == 0 and self._last_change(outcome) <= CHANGE_LIMIT:
@@ -218,20 +225,27 @@ class Simulation:
         state.loss_advection += float(solved["kinetic"] - kinetic)
         return outcome, correction, solved | {"kinetic": kinetic}
 
-    def _time_step(self):
-        case, (dx, dz) = self.case, self.spacing
+    def _time_step(self, time_limit):
+        case, (dx, dz), time = self.case, self.spacing, self.state.time
         h = min(dx, dz)
-        step_max = case.time.step_max or 0.01 * math.sqrt(case.geometry.height_0 / GRAVITY)
-        moving = self.gate_is_moving()
         fastest = max(largest(self.state.u), largest(self.state.w))  # beyond the surface too
-        dt = min(
-            step_max,
-            limit_advection(self.shape_factor * fastest, case.time.cfl, h),
-            limit_surface_wave(GRAVITY, h),
-            limit_gate(self.lift.speed, moving, dz),
-            limit_dilatancy(self.state.dilation_rate),
+        limits = {
+            "the case": case.longest_step,
+            f"a speed of {fastest:.3g} m/s": limit_advection(
+                self.shape_factor * fastest, case.time.cfl, h
+            ),
+            "the free surface": limit_surface_wave(GRAVITY, h),
+            "dilatancy": limit_dilatancy(self.state.dilation_rate),
+        }
+        dt = shortest(limits, case.longest_step, time)
+        dt = (
+            min(dt, 1.1 * self.state.dt)
+            if self.state.dt > 0.0
+            else min(dt, 0.1 * case.longest_step)
         )
-        return min(dt, 1.1 * self.state.dt) if self.state.dt > 0.0 else min(dt, 0.1 * step_max)
+        return min(
+            dt, limit_gate(self.lift, time, self.grid.nz * dz, dz, fit_to(time_limit, time, dt))
+        )
 
     def gate_is_moving(self):
         """Whether the gate still touches the mass."""
@@ -527,6 +541,8 @@ class Simulation:
         if filled[:, nz - 4 :].any():
             extra_z = MARGIN
         if extra_x or extra_z:
+            shape = nx + extra_x, nz + extra_z
+            refuse_growth(self.case, shape, self.spacing, self.state.time)
             self.state = self.state.copy()
             grow(self.state, extra_x, extra_z)
             extend_response(self.state, self.case, nx, nz)

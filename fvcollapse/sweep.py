@@ -21,6 +21,7 @@ from fvcollapse.errors import (
     InputError,
     NumericalError,
     OutputError,
+    failures_named,
 )
 from fvcollapse.files import write_atomic
 from fvcollapse.members import run_member
@@ -94,7 +95,8 @@ def sweep(case, variations, folder, workers=1, scheduler=None, quiet=True, sourc
 def run_point(case, folder, quiet):
     """Run one point, or continue it; return its summary."""
     run_member(case, folder, quiet)
-    return open_result(folder).summary()
+    with failures_named():
+        return open_result(folder).summary()
 
 
 # -- the points ----------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ formula, so that a restart that loses any field or scalar changes what follows.
 """
 
 import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +61,15 @@ class FakeSimulation:
         cell_size = self.case.grid.cell_size
         return Grid(*self.state.pressure_filled.shape, cell_size, cell_size)
 
+    @property
+    def spacing(self):
+        return self.grid.dx, self.grid.dz
+
+    @property
+    def geometry(self):
+        everywhere = np.zeros(self.state.u.shape, np.int64)
+        return SimpleNamespace(reach=np.full(self.grid.nx, self.grid.nz), index_u=everywhere)
+
     def advance(self, time_limit):
         state = self.state
         dt = min(1.1 * state.dt or 1.0e-3, 7.0e-3, time_limit - state.time)
@@ -106,7 +116,7 @@ class FakeSimulation:
         return self.energies()
 
     def energies(self):
-        return {"kinetic": float((self.state.u**2).sum()), "potential": -self.state.time}
+        return {"kinetic": 1e-4 * float((self.state.u**2).sum()), "potential": -self.state.time}
 
     def cell_quantities(self):
         filled = cell_fractions(self.state.level_set)

@@ -15,6 +15,7 @@ from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
 from fvcollapse.recorder import SERIES, STEPS
 from fvcollapse.result import Profiles
+from fvcollapse.trust import Trust
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
 
@@ -128,7 +129,8 @@ def test_extract_of_a_long_fine_run_is_small():
     result = SimpleNamespace(
         case=CASE,
         code_version="1",
-        complete=True,
+        status="complete",
+        trust=Trust("fine", ()),
         series={name: np.cumsum(random.random(2201)) for name in SERIES} | {"time": time},
         steps={name: random.random(2200) for name in STEPS},
         profiles=Profiles(np.linspace(0.0, 2.5, 126), x, heights, 0.5 * heights),

@@ -3,6 +3,7 @@
 import csv
 import math
 
+import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 
@@ -138,6 +139,44 @@ def test_failed_point_does_not_stop_the_others(case_file, monkeypatch, capsys):
     assert error.count("no pressure, in the solve") == 2
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
     assert sweep(case_file, *VARY) == 0  # continues the two
+
+
+@pytest.mark.parametrize(
+    ("bug", "words"),
+    [
+        (MemoryError(), "the memory is exhausted"),
+        (np.linalg.LinAlgError("singular"), "unexpected LinAlgError: singular"),
+        (FloatingPointError("overflow"), "unexpected FloatingPointError: overflow"),
+        (ValueError("deep inside"), "unexpected ValueError: deep inside"),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_point_that_fails_for_any_reason_leaves_its_row(
+    case_file, monkeypatch, capsys, bug, words
+):
+    class Failing(FakeSimulation):
+        def advance(self, time_limit):
+            if self.case.rheology.mu_1 == 0.45 and self.state.step == 2:
+                raise bug
+            return super().advance(time_limit)
+
+        def cell_quantities(self):
+            if self.case.rheology.mu_1 == 0.5 and self.state.step == 3:
+                raise bug
+            return super().cell_quantities()
+
+    monkeypatch.setattr(output, "Simulation", Failing)
+    assert sweep(case_file, *VARY) == 1
+    found = rows(case_file)
+    assert sorted({row["status"] for row in found}) == ["complete", "failed"]
+    for row in found:
+        if row["status"] == "failed":
+            assert row["problem"].startswith(words)
+            result = open_result(case_file.parent / "out" / row["point"])
+            assert not result.complete
+            assert result.status == f"failed: {row['problem']}"
+            assert len(result.steps["dt"]) == 2  # the last good state is kept
+    capsys.readouterr()
 
 
 def test_interrupted_sweep_keeps_its_table_and_continues(case_file, started, monkeypatch):

@@ -419,9 +419,11 @@ def build_library(experiments, cases, runner, effects=None, controls=(), draws=D
     closures = {name: closures_of(name) for name in chosen}
     quantities = nuisances(everyone, cases)
     z = draw(quantities, draws, seed)
-    wanted = baseline_runs(everyone, cases) | ensemble_runs(everyone, cases, quantities, z)
+    drawn, refused = ensemble_runs(everyone, cases, quantities, z)
+    wanted = baseline_runs(everyone, cases) | drawn
     wanted |= effect_runs(closures, experiments, cases, left_out)
-    reading = Reading(choose_points(everyone), *runner.observations(wanted))
+    seen, failures = runner.observations(wanted)
+    reading = Reading(choose_points(everyone), seen, failures | refused)
     samples, kept = reading.ensemble(draws)
     responses = measured_responses(reading, closures, left_out)
     return Library(
@@ -448,12 +450,22 @@ def baseline_runs(experiments, cases):
 
 
 def ensemble_runs(experiments, cases, quantities, z):
-    """{label: (experiment, case)} of the draws z (m, n) of the quantities."""
-    return {
-        ("draw", n, one.name): (one, with_nuisances(cases[one.name], one.name, quantities, row))
-        for n, row in enumerate(z)
-        for one in experiments
-    }
+    """Runs of the draws z (m, n) of the quantities, and why the others cannot be.
+
+    Returns
+    -------
+    (dict, dict)
+        {label: (experiment, case)}, and {label: NumericalError} of draws that are no legal case.
+    """
+    wanted, refused = {}, {}
+    for n, row in enumerate(z):
+        for one in experiments:
+            label = "draw", n, one.name
+            try:
+                wanted[label] = one, with_nuisances(cases[one.name], one.name, quantities, row)
+            except CaseError as error:
+                refused[label] = NumericalError(f"{error.key} cannot be {error.found}")
+    return wanted, refused
 
 
 def effect_runs(closures, experiments, cases, left_out):

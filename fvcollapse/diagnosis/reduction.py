@@ -145,8 +145,9 @@ def climb(analysis, runner, winner=None, runner_up=None, hold_out=(), case=None,
         del fits[model], names[model]
     wanted |= {("coarse", None, one.name): (one, held[one.name]) for one in hold_out}
     folds = analysis.experiments if not hold_out and len(analysis.experiments) > 1 else ()
-    wanted |= fold_runs(problem, names, folds)
-    seen, failures = runner.observations(wanted)
+    left_out, impossible = fold_runs(problem, names, folds)
+    seen, failures = runner.observations(wanted | left_out)
+    failures = failures | impossible
     reading = Reading(analysis.points, seen, failures)
     held_out = held_out_group(analysis, hold_out, held, seen, failures, fits) if hold_out else None
     told = [f"{model}: {error}" for model, error in refused.items()]
@@ -178,17 +179,26 @@ def true_runs(problem, fits, experiments, cases):
 
 
 def fold_runs(problem, names, folds):
-    """{label: (experiment, case)} of the models calibrated without each experiment in turn."""
-    points, wanted = problem.library.points, {}
+    """Runs of the models calibrated without each experiment in turn, and why others cannot be.
+
+    Returns
+    -------
+    (dict, dict)
+        {label: (experiment, case)}, {label: CaseError}.
+    """
+    points, wanted, refused = problem.library.points, {}, {}
     for one in folds:
         rest = np.ones(len(points), bool)
         rest[points.of(one)] = False
         for model, name in names.items():
             if model != BASELINE:
                 fit = problem.fit(name, rest)
-                case = problem.case(fit, one, problem.library.cases[one.name])
-                wanted[without(model, one)] = (one, case)
-    return wanted
+                label = without(model, one)
+                try:
+                    wanted[label] = one, problem.case(fit, one, problem.library.cases[one.name])
+                except CaseError as error:
+                    refused[label] = error
+    return wanted, refused
 
 
 def without(model, experiment):

@@ -17,8 +17,8 @@ known in closed form instead of being rigid.
 import math
 from typing import NamedTuple
 
+from ..well_posed import frictions, regularised
 from .compiled import inner_jit, kernel_jit
-from .ill_posedness import lower_well_posed_limit
 
 MU_I, DRUCKER_PRAGER, BINGHAM, NEWTONIAN, MU_I_REGULARISED = range(5)
 LAWS = {
@@ -64,19 +64,11 @@ def material(case):
     -------
     Material
     """
-    rheology = case.rheology
-    walls = case.effects.lateral_friction
-    extra = 0.0
-    if walls is not None and walls.closure == "friction_increase":
-        wall = walls.mu_wall * walls.pressure_ratio
-        extra = wall * walls.flowing_thickness / case.geometry.channel_width
-    mu_1, mu_2 = rheology.mu_1 + extra, rheology.mu_2 + extra
+    rheology, (mu_1, mu_2) = case.rheology, frictions(case)
     law = LAWS[rheology.law]
     I_1 = A_minus = 0.0
     if law == MU_I_REGULARISED:
-        I_1 = lower_well_posed_limit(mu_1, mu_2, rheology.I_0)
-        mu_at_I_1 = mu_of_upper_branch(I_1, mu_1, mu_2, rheology.I_0, rheology.mu_infinity)
-        A_minus = I_1 * math.exp(rheology.alpha_regularised / mu_at_I_1**2)
+        I_1, A_minus = regularised(case)
     return Material(
         law,
         mu_1,

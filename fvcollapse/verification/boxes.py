@@ -102,7 +102,7 @@ class Box(Simulation):
             return np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
         return self.surface(*points(h, nx + 1, nz + 1, 0.0, 0.0))
 
-    def _time_step(self):
+    def _time_step(self, time_limit):
         return self.chosen_dt
 
     def _make_room(self):

@@ -30,7 +30,7 @@ class UniformFlow(Simulation):
         self.chosen_dt = dt
         super().__init__(case, state)
 
-    def _time_step(self):
+    def _time_step(self, time_limit):
         return self.chosen_dt
 
     def profile(self):

@@ -163,6 +163,45 @@ def test_failure_ends_a_study_in_one_process(tmp_path):
     assert not list(tmp_path.glob("*/end"))
 
 
+def test_a_member_that_fails_leaves_its_row_and_the_others_their_study(
+    case_file, monkeypatch, capsys
+):
+    class Failing(FakeSimulation):
+        def advance(self, time_limit):
+            if self.case.grid.cell_size == 0.02:
+                raise np.linalg.LinAlgError("singular")
+            return super().advance(time_limit)
+
+    monkeypatch.setattr(output, "Simulation", Failing)
+    assert converge(case_file, "--cell-size", *SIZES, "0.03") == 1
+    assert records(case_file)["runout"]["cell_size"] == [0.03, 0.014, 0.01]
+    assert "cell_size_0.02: failed: unexpected LinAlgError: singular" in capsys.readouterr().out
+    with (case_file.parent / "out" / "members.csv").open() as file:
+        rows = {row["cell_size"]: row for row in csv.DictReader(file)}
+    assert [row["status"] for row in rows.values()] == [
+        "complete",
+        "failed",
+        "complete",
+        "complete",
+    ]
+    assert "singular" in rows["0.02"]["problem"]
+
+
+def test_two_finished_members_are_no_study(case_file, monkeypatch, capsys):
+    class Failing(FakeSimulation):
+        def advance(self, time_limit):
+            if self.case.grid.cell_size == 0.02:
+                raise MemoryError
+            return super().advance(time_limit)
+
+    monkeypatch.setattr(output, "Simulation", Failing)
+    assert converge(case_file, "--cell-size", *SIZES) == 1
+    error = capsys.readouterr().err
+    assert "1 of 3 members failed, three must finish" in error
+    assert "the memory is exhausted" in error
+    assert error.count("\n") == 1
+
+
 # -- bad input -----------------------------------------------------------------------------------
 
 

@@ -11,6 +11,7 @@ from fvcollapse.observables import front_position, thickness
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
 from fvcollapse.step.gate import Lift, gate_height, gate_reaction, gate_velocity
+from fvcollapse.step.time_step import time_to_rise
 
 
 @pytest.mark.parametrize(
@@ -32,6 +33,63 @@ def test_gate_that_vanishes_stays_closed_until_then():
     assert gate_height(0.09, lift) == 0.0
     assert gate_height(0.11, lift) == math.inf
     assert gate_velocity(0.11, lift) == 0.0
+
+
+# -- the time step -----------------------------------------------------------------------------
+
+
+def gate_run(end, **gate):
+    """Times of the steps of a collapse at 16 deg, and its `Lift`."""
+    simulation = collapse(0.0, gate__speed=gate.pop("speed"), effects__gate=gate)
+    times = [0.0]
+    while times[-1] < end - 1e-12:
+        simulation.advance(end)
+        times.append(simulation.state.time)
+    return np.array(times), simulation.lift
+
+
+LAWS = [
+    Lift(2.3, 0.0, 0.0, 0.0),
+    Lift(10.0, 0.0, 0.03, 0.0),
+    Lift(30.0, 0.1, 0.0, 0.01),
+    Lift(500.0, 0.02, 0.05, 0.0),
+    Lift(1e6, 1000.0, 0.0, 0.0),
+]
+
+
+@pytest.mark.parametrize("lift", LAWS)
+def test_time_to_rise_inverts_the_law_of_motion(lift):
+    for time in (0.0, 0.02, 0.0499999, 0.05, 0.2):
+        for rise in (1e-5, 1e-3, 0.1):
+            later = time + time_to_rise(rise, lift, time)
+            risen = gate_height(later, lift) - gate_height(time, lift)
+            assert risen == pytest.approx(rise, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "gate",
+    [
+        {"speed": 30.0},
+        {"speed": 30.0, "delay": 0.02},
+        {"speed": 30.0, "delay": 0.0173},
+        {"speed": 30.0, "time_constant": 0.05},
+        {"speed": 1e6, "time_constant": 1000.0},
+    ],
+    ids=str,
+)
+def test_the_gate_uncovers_a_quarter_of_a_cell_per_step_at_most(gate):
+    times, lift = gate_run(0.08, **gate)
+    heights = np.array([gate_height(time, lift) for time in times])
+    inside = heights[:-1] < 0.3  # the grid is 0.14 m and eight cells high
+    assert np.diff(heights)[inside].max() <= 0.25 * CELL * (1.0 + 1e-6)
+    assert len(times) < 250  # a quarter of a cell each is 60 steps; then they grow again
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.02, 0.0173])
+def test_a_gate_that_passes_within_a_step_is_as_fast_to_compute_as_none(delay):
+    fast, _ = gate_run(0.1, speed=1e6, delay=delay)
+    gone, _ = gate_run(0.1, speed=math.inf, delay=delay)
+    assert len(fast) == len(gone)
 
 
 # -- friction ----------------------------------------------------------------------------------

@@ -1,0 +1,262 @@
+"""Guards and limits: what explodes, outgrows its limits or runs out of memory ends with a word and its data."""
+
+import math
+
+import pytest
+
+from fvcollapse import guards, open_result, output
+from fvcollapse.__main__ import main
+from fvcollapse.case import Case
+from fvcollapse.errors import LimitReached, NumericalError
+from fvcollapse.guards import Guards
+from fvcollapse.recorder import Landing, Recorder
+from fvcollapse.simulation import Simulation
+from fvcollapse.step.time_step import shortest
+from fvcollapse.trust import Trust, trust_of
+
+COARSE = {"grid.cell_size": 0.02, "time.end": 0.05, "geometry.channel_width": math.inf}
+
+# from a search for faults: a column of 50 mm of strong, dilating grains on a slippery bed
+EXPLODING = """
+geometry = {slope_angle_deg = 10.0, height_0 = 0.05, length_0 = 0.00625}
+grid.cell_size = 0.003125
+rheology = {mu_1 = 2.0, mu_2 = 2.25, I_0 = 10.0, viscosity = 0.0, grain_diameter = 1e-05}
+boundary.mu_bed = 0.0
+front.thickness = 0.0001
+time.end = 0.4
+numerics.unilateral = false
+effects.bed_friction.mu_bed = 0.0
+effects.dilatancy = {dilatancy_factor = 4.0, solid_fraction_critical = 0.74}
+effects.column_size = {height = 0.005, length = -0.000625}
+"""
+
+
+@pytest.fixture
+def exploding(tmp_path):
+    path = tmp_path / "exploding.toml"
+    path.write_text(EXPLODING)
+    return path
+
+
+def case_of(**changes):
+    return Case().replace(**COARSE | changes)
+
+
+# -- guards --------------------------------------------------------------------------------------
+
+
+def test_an_exploding_run_ends_at_once_and_keeps_its_last_good_state(exploding, tmp_path, capsys):
+    folder = tmp_path / "out"
+    assert main(["run", str(exploding), "--out", str(folder), "--quiet"]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("guard on the ")
+    assert error.count("\n") == 1
+    assert " m, at t = " in error
+    result = open_result(folder)
+    assert not result.complete
+    assert result.status == f"failed: {error.strip()}"
+    assert result.trust.verdict == "do not use"
+    assert result.series["time"][-1] < 0.01  # it used to go on to 0.2 s
+    speed, fall = result.series["max_speed"].max(), math.sqrt(2 * 9.81 * 0.06)
+    assert speed < 4.0 * fall
+    assert main(["run", str(exploding), "--out", str(folder), "--quiet", "--resume"]) == 1
+    assert (
+        capsys.readouterr().err == error
+    )  # the checkpoint is the state before the step that failed
+
+
+@pytest.mark.parametrize("mend", ["speed", "volume", "energy"])
+def test_each_guard_names_itself(mend):
+    simulation = Simulation(case_of())
+    watch = Guards(simulation.case, sum(simulation.energy.values()))
+    row = {"relative_volume": 0.0, "max_speed": 0.0}
+    watch.check(simulation, row)
+    if mend == "speed":
+        row["max_speed"] = 3.1 * math.sqrt(2 * 9.81 * (0.14 * math.cos(math.radians(22)) + 0.1))
+    elif mend == "volume":
+        row["relative_volume"] = -0.11
+    else:
+        simulation.energy = simulation.energy | {"kinetic": 0.11 * 1550 * 9.81 * 0.14**2 / 2 * 0.2}
+    with pytest.raises(NumericalError, match=f"guard on the {mend}: .*at t = 0 s"):
+        watch.check(simulation, row)
+    row["max_speed"] = math.nan
+    with pytest.raises(NumericalError, match="guard on the"):
+        watch.check(simulation, row)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"grid.cell_size": 0.035},
+        {"geometry.slope_angle_deg": 30.0, "boundary.mu_bed": 0.0, "boundary.mu_back_wall": 0.0},
+        {
+            "rheology.mu_1": 0.0,
+            "rheology.mu_2": 0.0,
+            "boundary.mu_bed": 0.0,
+            "gate.speed": math.inf,
+        },
+        {"boundary.ends": "periodic", "geometry.slope_angle_deg": 30.0, "boundary.mu_bed": 0.0},
+        {"boundary.right_end": "open", "boundary.domain_length": 0.3},
+        {"effects.gate": {"speed": 5.0, "mu_gate": 1.0}},
+        {"effects.dilatancy": {"dilatancy_factor": 4.0}},
+        {"effects.erodible_bed": {"thickness": 0.02}, "geometry.slope_angle_deg": 10.0},
+        {"rheology.law": "bingham", "rheology.cohesion": 50.0},
+    ],
+    ids=["paper", "4 cells", "ice", "fluid", "chute", "open", "gate", "dilatant", "bed", "bingham"],
+)
+def test_no_guard_is_near_in_an_ordinary_run(changes, monkeypatch):
+    """A third of each limit is enough."""
+    for name in ("VOLUME_LIMIT", "ENERGY_LIMIT"):
+        monkeypatch.setattr(guards, name, getattr(guards, name) / 3.0)
+    monkeypatch.setattr(guards, "SPEED_LIMIT", 1.7)  # an ideal fluid reaches sqrt(2)
+    result = output.run(case_of(**{"time.end": 0.3}, **changes))
+    assert result.complete
+
+
+def test_a_step_that_fails_leaves_no_trace(monkeypatch):
+    job = output.Job(case_of())
+    landing = Landing(0.05, True, True)
+    for _ in range(3):
+        job.step(landing)
+    before = job.checkpoint_image()
+    monkeypatch.setattr(Recorder, "add_series", lambda *_: (_ for _ in ()).throw(MemoryError()))
+    with pytest.raises(MemoryError):
+        job.step(landing)
+    assert job.consistent()
+    assert job.checkpoint_image() == before
+
+
+@pytest.mark.parametrize("stage", ["advance", "record", "field"])
+def test_want_of_memory_is_a_named_failure_with_the_state_kept(
+    tmp_path, monkeypatch, capsys, stage
+):
+    def exhausted(*_):
+        raise MemoryError
+
+    original = Simulation.advance
+
+    def advance(self, limit):
+        if self.state.step >= 4:
+            if stage == "advance":
+                raise MemoryError
+            name = "add_series" if stage == "record" else "add_field"
+            monkeypatch.setattr(Recorder, name, exhausted)
+        return original(self, limit)
+
+    monkeypatch.setattr(Simulation, "advance", advance)
+    case = tmp_path / "case.toml"
+    case.write_text("grid.cell_size = 0.035\ntime = {end = 0.02, field_interval = 0.01}\n")
+    assert main(["run", str(case), "--out", str(tmp_path / "out"), "--quiet"]) == 1
+    assert "the memory is exhausted" in capsys.readouterr().err
+    result = open_result(tmp_path / "out")
+    assert result.status.startswith("failed: the memory is exhausted")
+    assert len(result.steps["dt"]) >= 4
+    assert result.trust.verdict == "do not use"
+    monkeypatch.undo()
+    assert main(["run", str(case), "--out", str(tmp_path / "out"), "--quiet", "--resume"]) == 0
+    assert open_result(tmp_path / "out").status == "complete"
+
+
+# -- limits --------------------------------------------------------------------------------------
+
+
+def test_a_mass_that_never_stops_ends_at_the_limit_of_the_domain(tmp_path, capsys):
+    case = tmp_path / "steep.toml"
+    case.write_text(
+        "geometry.slope_angle_deg = 30\nboundary = {mu_bed = 0.2, domain_max = 1.5}\n"
+        "grid.cell_size = 0.035\ntime.end = 5\n"
+    )
+    folder = tmp_path / "out"
+    assert main(["run", str(case), "--out", str(folder), "--quiet"]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(
+        "still moving; the domain limit of 1.5 m is reached (boundary.domain_max), at t = "
+    )
+    result = open_result(folder)
+    assert not result.complete
+    assert result.status == f"stopped: {error.strip()}"
+    assert result.trust.reasons[0] == result.status
+    assert 0.9 < result.profiles.x[-1] <= 1.5 + 1e-9
+
+
+def test_the_domain_has_a_limit_without_a_key():
+    assert Case().domain_max == pytest.approx(34.0)
+    assert case_of(**{"boundary.domain_length": 40.0}).domain_max == 40.0
+    with pytest.raises(LimitReached, match="limit of 4e"):
+        guards.refuse_growth(Case(), (3000, 2000), (0.006, 0.006), 1.0)
+
+
+def test_the_number_of_steps_has_a_limit(monkeypatch):
+    monkeypatch.setattr(guards, "STEPS_MAX", 3)
+    job, landing = output.Job(case_of()), Landing(0.05, True, True)
+    for _ in range(3):
+        job.step(landing)
+    with pytest.raises(LimitReached, match=r"the limit of 3 steps is reached, at t = 0\.0"):
+        job.step(landing)
+    assert job.state.step == 3
+
+
+def test_a_time_step_that_shrinks_for_ever_is_named():
+    limits = {"the case": 1e-3, "a speed of 1e+12 m/s": 5e-15}
+    words = r"the time step falls below 1e-09 s: a speed of 1e\+12 m/s asks for 5e-15 s, at t = 2 s"
+    with pytest.raises(NumericalError, match=words):
+        shortest(limits, 1e-3, 2.0)
+    with pytest.raises(NumericalError, match="falls below"):
+        shortest({"the case": 1e-3, "a speed of nan m/s": math.nan}, 1e-3, 0.0)
+    assert shortest({"the case": 1e-3, "gravity": 2e-9}, 1e-3, 0.0) == 2e-9
+
+
+# -- trust ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("status", "drift", "capped", "expected"),
+    [
+        ("complete", 0.002, 20, "fine"),
+        ("complete", -0.0021, 0, "look at it: volume drifts 0.21 %"),
+        ("complete", 0.138, 81, "do not use: volume drifts 13.8 %; 81 % of the steps are capped"),
+        ("complete", 0.0, 21, "look at it: 21 % of the steps are capped"),
+        ("running", 0.0, 0, "look at it: not at its end (running)"),
+        ("failed: a guard", 0.0, 0, "do not use: failed: a guard"),
+        ("stopped: a limit", 0.0, 0, "look at it: stopped: a limit"),
+    ],
+)
+def test_what_makes_a_result_to_be_trusted(status, drift, capped, expected):
+    assert str(trust_of(status, [0.0, drift, 0.0], capped, 100, Case())) == expected
+
+
+def test_grains_that_dilate_within_their_law_are_trusted():
+    """From 0.62 to nu_eq(I = 1) = 0.60 - 0.15: the volume may grow by 38 %."""
+    case = Case().replace(**{"effects.dilatancy": {"dilatancy_factor": 4.0}})
+    assert trust_of("complete", [0.0, 0.37], 0, 1, case).verdict == "fine"
+    assert trust_of("complete", [0.0, 0.40], 0, 1, case).verdict == "do not use"
+    assert trust_of("complete", [0.0, -0.005], 0, 1, case).verdict == "look at it"
+
+
+def test_the_result_and_its_summary_say_how_far_to_trust_it(tmp_path, capsys):
+    case = tmp_path / "case.toml"
+    case.write_text("grid.cell_size = 0.02\ntime.end = 0.01\n")
+    assert main(["run", str(case), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert "trust                               fine" in capsys.readouterr().out
+    result = open_result(tmp_path / "out")
+    assert (result.status, result.trust) == ("complete", Trust("fine", ()))
+    summary = result.summary()
+    assert (summary["status"], summary["trust"], summary["trust_reasons"]) == (
+        "complete",
+        "fine",
+        "",
+    )
+
+
+def test_a_result_older_than_its_status_is_judged_from_its_record(tmp_path):
+    import h5py
+
+    output.run_case(case_of(**{"time.end": 0.01}), tmp_path, quiet=True)
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        for name in ("status", "trust", "trust_reasons"):
+            del file.attrs[name]
+        file["series/relative_volume"][-1] = 0.02
+    result = open_result(tmp_path)
+    assert result.status == "complete"
+    assert str(result.trust) == "do not use: volume drifts 2 %"
