@@ -14,7 +14,7 @@ PACKAGE = Path(fvcollapse.__file__).parent
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
-    "errors version",
+    "errors version code_graph",
     "case_keys",
     "case_rules case_effects",
     "effects",

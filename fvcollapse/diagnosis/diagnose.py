@@ -119,12 +119,12 @@ def diagnose(
 
 
 def verdict_model_for(analysis):
-    """The `VerdictModel` if it was fitted to data like these (films, no controls, these effects), else None."""
+    """The `VerdictModel` if it was fitted to data like these: films, no controls, some of these effects; else None."""
     values = np.count_nonzero(analysis.points.kind == "value")
     if analysis.controls or values < FILMED:
         return None
     model = VerdictModel.load()
-    return model if model is not None and model.covers(analysis.evidence) else None
+    return model if model is not None and model.judges(analysis.evidence) else None
 
 
 def load_all(experiments):

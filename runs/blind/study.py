@@ -6,16 +6,22 @@
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
     python -m runs.blind.study reduce     [--ladders 60]    whole diagnoses with an experiment held out
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
+    python -m runs.blind.study restamp    --note "REASON"   the shipped layer, as of the present solver
 
 The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
 and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
 after a change of the diagnosis make another one (--out), and let the old one teach (fit --used-up).
+
+`restamp` marks the verdict layer as of the present solver without fitting it again. It is right only if the
+present solver gives the same numbers, bit by bit, as the one of the training suite; the note says how
+that was shown, and stays in the file with the earlier version.
 """
 
 import argparse
 import json
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from fvcollapse.blind.generator import TRAINING, known_effects
@@ -39,7 +45,7 @@ from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
-from fvcollapse.diagnosis.verdict import VerdictModel
+from fvcollapse.diagnosis.verdict import SHIPPED, VerdictModel, solver_of
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files import write_atomic
 
@@ -86,6 +92,8 @@ def parse(argv):
     parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
     parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
     parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
+    parser.add_argument("--layer", type=Path, default=SHIPPED, help="verdict layer to restamp")
+    parser.add_argument("--note", help="why a restamp is right; required by it")
     return parser.parse_args(argv)
 
 
@@ -232,6 +240,27 @@ def score_answers(arguments):
     return 0
 
 
+def restamp_verdict(arguments):
+    """Mark the verdict layer as of the present solver, with the reason."""
+    note = (arguments.note or "").strip()
+    if not note:
+        raise InputError("command line", "--note", "none", "why both solvers give the same numbers")
+    model = VerdictModel.load(arguments.layer)
+    if model is None:
+        raise InputError(
+            "command line", "restamp", "no fitted verdict layer", "the step fit before"
+        )
+    restamped(model, note).save(arguments.layer)
+    print(arguments.layer)
+    return 0
+
+
+def restamped(model, note):
+    """The `VerdictModel` with the version of the present solver, and a note beside the earlier one."""
+    notes = [*model.about.get("restamped", []), {"from": model.solver, "note": note}]
+    return replace(model, solver=solver_of(model.effects), about=model.about | {"restamped": notes})
+
+
 STEPS = {
     "training": make_training_suite,
     "fit": fit_verdict,
@@ -239,6 +268,7 @@ STEPS = {
     "answer": answer_blind_suite,
     "reduce": reduce_gaps,
     "score": score_answers,
+    "restamp": restamp_verdict,
 }
 
 
