@@ -44,8 +44,10 @@ class Study:
         Part -> function (options) that does it and returns None, or lines that say what is missing.
     need_data : tuple of str
         Parts for which `--data` must be given.
+    uses : tuple of str
+        Of "cache" (folder of the cache of runs) and "cell_size": options beside --out, --tables, --workers.
     cell_size : float or None
-        Default of `--cell-size` [m].
+        Default of `--cell-size` [m]; None: that of the part.
     all_parts : bool
         Whether no part at all means every part.
     together : callable or None
@@ -58,6 +60,7 @@ class Study:
     about: str
     parts: dict
     need_data: tuple = ()
+    uses: tuple = ("cache", "cell_size")
     cell_size: float | None = None
     all_parts: bool = False
     together: Callable | None = None
@@ -116,19 +119,18 @@ def parse(study, argv=None):
     about = f"of {names}" + ("; default all" if study.all_parts else "")
     parser.add_argument("parts", metavar="PART", nargs="*", help=about)
     out = Path("out") / study.name
-    parser.add_argument("--data", type=Path, metavar="FOLDER", help="data that the study reads")
-    parser.add_argument("--out", type=Path, default=out, help=f"runs, films, pages; {out}")
-    parser.add_argument("--tables", type=Path, default=study.tables, help="tables and reports")
-    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
+    where = {"type": Path, "metavar": "FOLDER"}
+    if study.need_data:
+        parser.add_argument("--data", **where, help="data that the study reads")
+    parser.add_argument("--out", **where, default=out, help=f"runs, films, pages; {out}")
+    parser.add_argument("--tables", **where, default=study.tables, help="tables and reports")
+    if "cache" in study.uses:
+        parser.add_argument("--cache", **where, help="folder of the cache of runs")
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes; default 2")
-    default = "of the study" if study.cell_size is None else f"{study.cell_size:g}"
-    parser.add_argument(
-        "--cell-size",
-        type=float,
-        default=study.cell_size,
-        metavar="H",
-        help=f"cells [m]; default {default}",
-    )
+    if "cell_size" in study.uses:
+        words = "that of the part" if study.cell_size is None else f"{study.cell_size:g}"
+        parser.add_argument("--cell-size", type=float, metavar="H", help=f"[m]; default {words}")
+    parser.set_defaults(data=None, cache=None, cell_size=study.cell_size)
     if study.add_options is not None:
         study.add_options(parser)
     options = parser.parse_args(argv)

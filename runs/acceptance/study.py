@@ -171,7 +171,7 @@ def cell_size(row):
 
 
 PARTS = {"matrix": matrix, "grid": grid, "time_step": time_step, "random": random}
-STUDY = Study("acceptance", __doc__, {part: partial(do_part, part) for part in PARTS})
+STUDY = Study("acceptance", __doc__, {part: partial(do_part, part) for part in PARTS}, uses=())
 main = partial(call, STUDY)
 
 

@@ -227,6 +227,7 @@ STUDY = Study(
     __doc__,
     {part: partial(do_part, part) for part in PARTS} | {"differences": differences},
     need_data=("differences",),
+    uses=(),
 )
 main = partial(call, STUDY)
 

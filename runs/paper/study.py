@@ -77,6 +77,7 @@ STUDY = Study(
     "paper",
     __doc__,
     GROUPS,
+    uses=("cell_size",),
     cell_size=0.006,
     all_parts=True,
     together=do_groups,
