@@ -153,13 +153,21 @@ class Module:
         tree, others = ast.parse(path.read_text(encoding="utf-8")), []
         for node in tree.body:
             names = defined_names(node)
-            self.definitions |= dict.fromkeys(names, node)
+            for defined in names:
+                self._define(defined, node)
             if not names and not is_import(node) and not is_docstring(node):
                 others.append(node)
         if others:
-            self.definitions[""] = ast.Module(others, [])
+            self.definitions[""] = statements = ast.Module(others, [])
+            for defined in bound_names(statements):  # under a condition, in a loop
+                self._define(defined, statements)
         for node in filter(is_import, ast.walk(tree)):
             self._add_import(node)
+
+    def _define(self, name, node):
+        before = self.definitions.get(name)
+        both = before is not None and before is not node
+        self.definitions[name] = ast.Module([before, node], []) if both else node
 
     def _add_import(self, node):
         level = getattr(node, "level", 0)
@@ -185,6 +193,14 @@ def defined_names(node):
     if not all(isinstance(target, ast.Name | ast.Tuple) for target in found):
         return []  # x.y = …, x[y] = …
     return [part.id for target in found for part in ast.walk(target) if isinstance(part, ast.Name)]
+
+
+def bound_names(node):
+    """Names that a statement binds anywhere inside."""
+    definitions = ast.FunctionDef | ast.ClassDef
+    names = {part.name for part in ast.walk(node) if isinstance(part, definitions)}
+    bound = (part for part in ast.walk(node) if isinstance(getattr(part, "ctx", None), ast.Store))
+    return names | {part.id for part in bound if isinstance(part, ast.Name)}
 
 
 def is_import(node):

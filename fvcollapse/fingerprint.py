@@ -41,7 +41,8 @@ ROOTS = (
     ("observation", "flow_case"),
     ("observables", "observe"),
 )
-EFFECT_TABLES = ("CATALOGUE", "KEY_CHANGES")
+KEY_CHANGES = ("effects", "KEY_CHANGES")
+EFFECT_TABLES = ("CATALOGUE", KEY_CHANGES[1])
 OUTSIDE = ("errors", "files")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
@@ -66,7 +67,8 @@ def solver_digest(package, effects):
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
     code = solver_code(package)
     lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
-    return hashlib.sha256("\n".join([*effects, *lines]).encode()).hexdigest()
+    order = [*effects, *changes_in_order(code, effects)]
+    return hashlib.sha256("\n".join([*order, *lines]).encode()).hexdigest()
 
 
 @cache
@@ -79,6 +81,13 @@ def roots_of(code, effect):
     """Places of the entries of an effect in the tables of effects."""
     places = (("effects", f"change_{effect}"), (f"effects.{effect}", "EFFECT"))
     return [place for place in places if code.node(*place) is not None]
+
+
+def changes_in_order(code, effects):
+    """Names of the changes of keys of some effects, in the order in which they are applied."""
+    table = code.node(*KEY_CHANGES)
+    names = (part.id for part in ast.walk(table or ast.Pass()) if isinstance(part, ast.Name))
+    return [name for name in names if name.removeprefix("change_") in effects]
 
 
 def is_section(node):

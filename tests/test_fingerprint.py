@@ -223,6 +223,36 @@ def with_effects(case):
     assert digest([prior], package, ("drag",)) == drag
 
 
+def test_the_order_of_effects_that_are_on_counts(digest):
+    both = [
+        (
+            "effects.py",
+            "\ndef stronger",
+            "\ndef change_drag(case):\n    return 2 * case\n\ndef stronger",
+        ),
+        ("effects.py", "(change_cohesion,)", "(change_cohesion, change_drag)"),
+    ]
+    turned = [both[0], ("effects.py", "(change_cohesion,)", "(change_drag, change_cohesion)")]
+    on = ("cohesion", "drag")
+    assert digest(both, effects=on) != digest(turned, effects=on)
+    assert digest(both, effects=("drag",)) == digest(turned, effects=("drag",))
+    assert digest(both, effects=on) != digest(both, effects=on[::-1])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("2.0 * u\n", "2.0 * u\n\nshear_rate = twice(shear_rate)\n"),
+        ("def shear_rate(u):", "if FAST:\n  def shear_rate(u):"),
+    ],
+)
+def test_a_name_that_is_bound_again_or_under_a_condition_counts(digest, old, new):
+    again = digest([("step/rates.py", old, new)])
+    assert again != digest()
+    texts = [("step/rates.py", old, new), ("step/rates.py", "2.0 * u", "2.1 * u")]
+    assert digest(texts) != again
+
+
 def test_a_root_that_is_missing_is_an_error(digest):
     with pytest.raises(LookupError, match=r"no definition simulation\.Simulation"):
         digest([("simulation.py", "class Simulation", "class Run")])
