@@ -19,10 +19,13 @@ class Part(NamedTuple):
         "" if nothing counts.
     places : set of (str, str)
         The definitions that it refers to.
+    statements : set of (str, str)
+        The statements that run when its module is imported.
     """
 
     digest: str
     places: set
+    statements: set
 
 
 class CodeGraph:
@@ -72,7 +75,7 @@ class CodeGraph:
             place = waiting.pop()
             if place not in reached:
                 reached.add(place)
-                waiting += self.part(place).places
+                waiting += self.part(place).places | self.part(place).statements
         return reached
 
     def part(self, place):
@@ -90,7 +93,7 @@ class CodeGraph:
         content = "\n".join([text, *origins])
         digest = hashlib.sha256(content.encode()).hexdigest() if text else ""
         places = {other for other in reducer.places if other[1] not in self.cut}
-        return Part(digest, places | self.statements_of(module))
+        return Part(digest, places, self.statements_of(module))
 
     def statements_of(self, module):
         """Places of the statements that run when a module is imported, those of its packages included."""
