@@ -24,9 +24,11 @@ from fvcollapse.diagnosis.verdict import (
     from_json,
     known_logits,
     named,
+    solver_of,
     to_json,
     verdict,
 )
+from fvcollapse.effects import CATALOGUE, PHYSICAL, Effect, Prior
 from fvcollapse.errors import InputError
 
 EFFECTS = ("arms", "bars", "cups", "dots")
@@ -285,6 +287,26 @@ def test_a_model_that_knows_none_of_the_effects_judges_none(model):
     evidence = evidence_of(logs, {NONE: 1e-9})
     assert not model.judges(evidence)
     assert verdict(evidence, model) == verdict(evidence, None)
+
+
+def test_a_new_effect_of_the_catalogue_leaves_the_shipped_model_valid(monkeypatch):
+    shipped = VerdictModel.load()
+    before = shipped.is_of_this_solver, solver_of(shipped.effects)
+    drag = Effect(PHYSICAL, {"c": Prior("uniform", 0.0, 1.0, "C", "a guess")})
+    monkeypatch.setitem(CATALOGUE, "drag", drag)
+    assert (shipped.is_of_this_solver, solver_of(shipped.effects)) == before
+    assert solver_of((*shipped.effects, "drag")) != before[1]
+    logs = dict.fromkeys(shipped.classes, -20.0) | {"cohesion": 0.0, NONE: -30.0}
+    del logs[SEVERAL]
+    evidence = evidence_of(logs, {NONE: 1e-9})
+    alone = verdict(evidence, shipped)
+    added = hypothesis("drag", -10.0)
+    both = verdict(replace(evidence, hypotheses=evidence.hypotheses | {"drag": added}), shipped)
+    assert 0.0 < both.probability["drag"] < CAP
+    rest = 1.0 - both.probability["drag"]
+    for name, share in alone.probability.items():
+        assert both.probability[name] == pytest.approx(rest * share)
+    assert both.conformal == alone.conformal
 
 
 def test_the_report_says_which_effects_are_new(model):
