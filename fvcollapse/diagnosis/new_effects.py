@@ -5,14 +5,14 @@ Let n be the hypotheses with a new effect and k the others. The probability of a
     p(n | D) = tempered evidence x prior of n, over the sum of all hypotheses;
     p(k | D) = (1 - sum of p(n | D)) p(k | D, no new effect),
 
-with p(k | D, no new effect) from the layer, which sees the evidence without n. Among the effects that it
-knows the layer therefore answers as if there were no new one: their ratios, conformal p-values and the
-part of the set that they make up do not change. Only how probable a new effect is rests on tempered evidences,
-all of one scale, new and known. It is no calibrated probability: all new effects together get at most
-`cap`. A new effect is left open if it belongs to the smallest set of hypotheses that holds a
-probability of `level`; it has no conformal p-value. Two effects together count as new if one of them is;
-since pairs are opened with the best single effect only, a new effect that is the best one leaves the
-layer no pair to judge.
+with p(k | D, no new effect) from the layer. It sees the evidence that is compared without the new effects, since
+the response of a new effect changes features of all others (the residual outside the span of all
+responses, the pairs that are opened). Among the effects that it knows the layer therefore answers as if there were
+no new one: their ratios, conformal p-values and the part of the set that they make up do not change. Only
+how probable a new effect is rests on tempered evidences, all of one scale, new and known. It is no calibrated
+probability: all new effects together get at most `cap`. A new effect is left open if it belongs to the
+smallest set of hypotheses that holds a probability of `level`; it has no conformal p-value. Two effects
+together count as new if one of them is.
 """
 
 from dataclasses import replace
@@ -39,6 +39,13 @@ def without(evidence, names):
     """The `Evidence` without some hypotheses."""
     hypotheses = {name: each for name, each in evidence.hypotheses.items() if name not in names}
     return replace(evidence, hypotheses=hypotheses)
+
+
+def merged(evidence, known):
+    """The `Evidence` with the pairs that only another one opened, in the order of evidence x prior odds."""
+    every = known.hypotheses | evidence.hypotheses
+    ranked = sorted(every.values(), key=lambda each: -(each.log_evidence + each.log_prior))
+    return replace(evidence, hypotheses={each.name: each for each in ranked})
 
 
 def with_new(probability, tempered, new, cap):

@@ -563,7 +563,7 @@ def digest(content):
 # -- the verdict ---------------------------------------------------------------------------------
 
 
-def verdict(evidence, model=None, separability=None):
+def verdict(evidence, model=None, separability=None, known=None):
     """The `Verdict` of an evidence.
 
     Parameters
@@ -574,9 +574,12 @@ def verdict(evidence, model=None, separability=None):
         evidences (see `new_effects`).
     separability : Separability, optional
         Its classes are groups that cannot be told apart.
+    known : Evidence, optional
+        Of the effects that the model knows, compared without the new ones; its pairs are also in
+        `evidence`. Default: what `evidence` holds of them.
     """
     new = () if model is None else new_hypotheses(evidence, model.classes)
-    known = without(evidence, new)
+    known = without(evidence, new) if known is None else known
     if model is None or not model.judges(known):
         return tempered(evidence, separability)
     shares = model.probabilities(known)
