@@ -49,12 +49,13 @@ def cached_case(case):
 
 
 def cache_key(case):
-    """Digest of all that a run depends on: the solver, and the case without its outputs."""
+    """Digest of all that a run depends on: the solver with its effects, and the case without its outputs."""
     table = as_table(case)
+    solver = solver_version(tuple(table["effects"]))  # an effect that is off has no section
     for path in OUTPUT_KEYS:
         section, _, name = path.partition(".")
         table[section].pop(name, None)
-    text = "\n".join([f"extract {FORMAT}", f"solver {solver_version()}", *toml_lines(table)])
+    text = "\n".join([f"extract {FORMAT}", f"solver {solver}", *toml_lines(table)])
     return sha256(text.encode()).hexdigest()
 
 

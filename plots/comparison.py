@@ -1,11 +1,10 @@
 """Computed collapses beside those of other people, from the tables of runs/comparison.
 
-    python plots/comparison.py
+    python -m plots.comparison
 
 Writes plots/figures/comparison_<name>.png and its caption (.txt); nothing is computed here.
 """
 
-import csv
 from pathlib import Path
 
 import matplotlib
@@ -13,8 +12,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from runs.table import RUNS, read_table
+
 HERE = Path(__file__).parent
-SOURCE = HERE.parent / "runs" / "comparison"
+SOURCE = RUNS / "comparison"
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 VARIANTS = (  # end of the name, line, label
     ("", "C0-o", "computed"),
@@ -48,15 +49,15 @@ of the experiments, valid where the flat top is consumed.
 
 def discs(name, runs, times):
     """Profiles of a column of discs at several times, one panel each."""
-    given = by_time(read(SOURCE / "reference" / f"discs_{name}.csv"))
-    computed = read(SOURCE / "columns_profiles.csv")
+    given = by_time(read_table(SOURCE / "reference" / f"discs_{name}.csv"))
+    computed = read_table(SOURCE / "columns_profiles.csv")
     panels(name=f"discs_{name}", given=given, computed=computed, runs=runs, times=times)
 
 
 def volume_of_fluid():
     """Profiles of the volume-of-fluid set-up on three grids."""
-    given = by_time(read(SOURCE / "reference" / "volume_of_fluid_a0.5.csv"))
-    computed = read(SOURCE / "volume_of_fluid_profiles.csv")
+    given = by_time(read_table(SOURCE / "reference" / "volume_of_fluid_a0.5.csv"))
+    computed = read_table(SOURCE / "volume_of_fluid_profiles.csv")
     runs = {f"cells{n}": (f"h0/{n}", style) for n, style in ((13, ":"), (26, "--"), (52, "-"))}
     panels("volume_of_fluid", given, computed, runs, (1, 2, 3, 4))
 
@@ -82,13 +83,13 @@ def panels(name, given, computed, runs, times):
 
 def channel():
     """Runout and final height against aspect ratio."""
-    runs = sorted(read(SOURCE / "channel.csv"), key=lambda row: float(row["aspect"]))
+    runs = sorted(read_table(SOURCE / "channel.csv"), key=lambda row: float(row["aspect"]))
     figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.6), layout="constrained")
     for panel, file, column, label in (
         (axes[0], "runout", "runout_over_l0", "(runout - l$_0$) / l$_0$"),
         (axes[1], "final_height", "final_height_over_l0", "final height / l$_0$"),
     ):
-        points = read(SOURCE / "reference" / f"beads_{file}.csv")
+        points = read_table(SOURCE / "reference" / f"beads_{file}.csv")
         a, value, error = ([float(row[key]) for row in points] for key in ("a", "value", "error"))
         panel.errorbar(a, value, error, fmt="o", color="0.5", ms=4, label="measured")
         for suffix, style, name in VARIANTS:
@@ -103,10 +104,10 @@ def channel():
 def deposit_shape():
     """Dimensionless deposits."""
     figure, axes = plt.subplots(figsize=(5.5, 4.0), layout="constrained")
-    points = read(SOURCE / "reference" / "deposit_shape.csv")
+    points = read_table(SOURCE / "reference" / "deposit_shape.csv")
     x, y = ([float(row[key]) for row in points] for key in ("x_star", "y_star"))
     axes.plot(x, y, "o", color="0.5", ms=4, label="measured")
-    shapes = read(SOURCE / "deposit_shapes.csv")
+    shapes = read_table(SOURCE / "deposit_shapes.csv")
     for number, label in enumerate(dict.fromkeys(row["deposit"] for row in shapes)):
         line = [row for row in shapes if row["deposit"] == label]
         x, y = ([float(row[key]) for row in line] for key in ("x_star", "y_star"))
@@ -125,12 +126,6 @@ def by_time(rows):
         x.append(float(row["x_over_h0"]))
         h.append(float(row["h_over_h0"]))
     return curves
-
-
-def read(path):
-    """Rows of a table as dictionaries."""
-    with path.open() as file:
-        return list(csv.DictReader(file))
 
 
 def save(figure, name):

@@ -1,6 +1,6 @@
 """The stored convergence studies: one figure per study, from its JSON; nothing is run.
 
-    python plots/convergence.py
+    python -m plots.convergence
 
 Reads runs/convergence/<study>.json and writes plots/figures/convergence_<study>.png.
 """

@@ -9,11 +9,14 @@ from pathlib import Path
 from fvcollapse.drawing import BLUE, GREEN, ORANGE
 from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL
 from plots.paper_style import FIGURES, key, panels, write_picture
-from runs.effects.study import BASELINE, CURVES, HERE, MEMBER, NUMBERS, SLOPES, STRENGTHS
-from runs.paper.tables import as_line, rows
+from runs.table import CURVES, RUNS, as_line, read_table
 
+HERE = RUNS / "effects"  # the tables
+NUMBERS = "effects.csv"
+MEMBER = ("effect", "variant", "strength", "slope_deg")
+BASELINE = "none"
 COLOURS = (BLUE, ORANGE, GREEN)  # of the variants
-LINES = dict(zip(STRENGTHS, (":", "--", "-"), strict=True))
+LINES = {"weak": ":", "middle": "--", "strong": "-"}  # of the strengths
 WITHOUT = {"color": "0.75", "lw": 3.0}
 ABOUT = {
     PHYSICAL: "Effect {name}: front against time (above) and final profile (below) of collapses with it",
@@ -40,14 +43,16 @@ def draw(numbers, curves, name):
         {(effect, variant, strength, slope, quantity): Line}
     name : str
     """
-    figure, axes = panels(2, len(SLOPES), (10.5, 6.2))
-    variants = list(dict.fromkeys(row["variant"] for row in numbers))
-    for column, slope in enumerate(SLOPES):
+    variants, slopes = (
+        list(dict.fromkeys(row[n] for row in numbers)) for n in ("variant", "slope_deg")
+    )
+    figure, axes = panels(2, len(slopes), (10.5, 6.2))
+    for column, slope in enumerate(slopes):
         for panel, quantity in zip(axes[:, column], ("front_m", "thickness_m"), strict=True):
-            draw_line(panel, curves.get((BASELINE, "", "", f"{slope}", quantity)), WITHOUT)
+            draw_line(panel, curves.get((BASELINE, "", "", slope, quantity)), WITHOUT)
             for variant, colour in zip(variants, COLOURS, strict=False):
                 for strength, line in LINES.items():
-                    found = curves.get((name, variant, strength, f"{slope}", quantity))
+                    found = curves.get((name, variant, strength, slope, quantity))
                     draw_line(panel, found, {"color": colour, "ls": line, "lw": 1.3})
         axes[0, column].set(title=f"{slope}°", xlabel="time (s)", xlim=(0.0, None))
         axes[1, column].set(xlabel="distance from the back wall (m)", xlim=(0.0, None))
@@ -69,22 +74,27 @@ def draw_line(panel, line, style):
 
 def strength_names(numbers):
     """Name and line of each strength; with its value where that is a single one."""
-    for row in numbers[:: len(SLOPES)][: len(LINES)]:
+    for row in first_slope(numbers)[: len(LINES)]:
         alone = row["variant"] == "" and " " not in row["parameters"]
         value = f": {row['parameters'].replace('=', ' = ')}" if alone else ""
         yield row["strength"] + value, LINES[row["strength"]]
 
 
+def first_slope(numbers):
+    """The rows of the first slope."""
+    return [row for row in numbers if row["slope_deg"] == numbers[0]["slope_deg"]]
+
+
 def caption(numbers, name):
     """What the picture shows, with the values of the parameters."""
-    values = []
-    for row in numbers:
-        if row["slope_deg"] == f"{SLOPES[0]}":
-            which = f"{row['variant']} {row['strength']}".strip()
-            values.append(f"{which} {row['parameters'].replace(' ', ', ')}")
+    values, quantiles = [], {}
+    for row in first_slope(numbers):
+        which = f"{row['variant']} {row['strength']}".strip()
+        values.append(f"{which} {row['parameters'].replace(' ', ', ')}")
+        quantiles[row["strength"]] = row["quantile"]
     return CAPTION.format(
         about=ABOUT[CATALOGUE[name].kind].format(name=name),
-        quantiles=", ".join(f"{quantile:g}" for quantile in STRENGTHS.values()),
+        quantiles=", ".join(quantiles.values()),
         values="; ".join(values),
         cell=float(numbers[0]["cell_size_mm"]),
     )
@@ -92,10 +102,10 @@ def caption(numbers, name):
 
 def main(tables=HERE, figures=FIGURES):
     """Draw every effect that is in the tables."""
-    numbers = rows(tables / NUMBERS)
+    numbers = read_table(tables / NUMBERS)
     curves = {
         (*(row[name] for name in MEMBER), row["quantity"]): as_line(row)
-        for row in rows(tables / CURVES)
+        for row in read_table(tables / CURVES)
     }
     for name in CATALOGUE:
         found = [row for row in numbers if row["effect"] == name]

@@ -1,13 +1,12 @@
 """What refinement does to shear bands, thickness, velocity and static-flowing interface (the paper's section IX).
 
-    python plots/ill_posedness.py RESULT RESULT RESULT …
+    python -m plots.ill_posedness RESULT RESULT RESULT …
 
 takes results of one collapse on several grids, with the mu(I) law and, if wanted, with the partially
-regularised one; runs/README.md has the commands. Writes plots/figures/ill_posedness.png, the numbers
+regularised one; runs/convergence/README.md has the commands. Writes plots/figures/ill_posedness.png, the numbers
 (.csv) and the caption (.txt).
 """
 
-import csv
 import sys
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 import fvcollapse
+from runs.table import write_table
 
 FIGURE = Path(__file__).parent / "figures" / "ill_posedness"
 TIME = 0.5  # s
@@ -137,10 +137,7 @@ if __name__ == "__main__":
         finest[result.case.rheology.law] = result
     rows = [row(result, finest[result.case.rheology.law]) for result in opened]
     draw(opened)
-    with FIGURE.with_suffix(".csv").open("w", newline="") as table:
-        writer = csv.DictWriter(table, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    write_table(FIGURE.with_suffix(".csv"), rows)
     g = opened[0].case.geometry
     FIGURE.with_suffix(".txt").write_text(
         CAPTION.format(case=f"{g.slope_angle_deg:g} deg, w = {100 * g.channel_width:g} cm")

@@ -20,7 +20,7 @@ from plots import (
     paper_viscosity_field,
     paper_volume,
 )
-from runs.paper.tables import HERE
+from plots.paper_style import PAPER
 
 FIGURES = (
     paper_profiles,
@@ -40,7 +40,7 @@ FIGURES = (
 )
 
 
-def main(folder=HERE):
+def main(folder=PAPER):
     """Draw every figure from the tables in a folder; one that lacks a run is named and left out."""
     for figure in FIGURES:
         paper_style.main(figure.draw, folder)

@@ -5,7 +5,7 @@ python -m plots.paper_sensitivity
 
 from fvcollapse.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import GREY, main, panels, save
-from runs.paper.cases import SENSITIVITIES
+from runs.table import LABELS, read_table
 
 FRONTS = {"10mm": GREEN, "5mm": BLUE, "1mm": ORANGE}
 PAPER = 1.6  # m
@@ -25,7 +25,8 @@ def draw(of):
         for r in (1.5, 2.0)
         if (reference, r) in of.scalars
     ]
-    entries += [(words, f"{name}_a22_winf", 1.0) for name, (words, _) in SENSITIVITIES.items()]
+    changes = read_table(of.folder / "sensitivity" / LABELS)
+    entries += [(row["label"], row["case"], 1.0) for row in changes]
     figure, axes = panels(1, 1, (8.5, 6.4))
     panel = axes[0, 0]
     panel.axvline(PAPER, color=GREY, lw=3.0, alpha=0.4)

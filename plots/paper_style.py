@@ -13,9 +13,10 @@ import numpy as np
 from PIL import Image
 
 from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
-from runs.paper.tables import FINE, HERE, VELOCITY, MissingRun, Tables
+from runs.table import FINE, RUNS, VELOCITY, MissingRun, Tables
 
 FIGURES = Path(__file__).parent / "figures"
+PAPER = RUNS / "paper"  # the tables
 PURPLE, YELLOW, SKY = "#CC79A7", "#E69F00", "#56B4E9"  # Okabe & Ito (2008)
 SLOPE_COLOUR = {0: GREY, 10: BLUE, 16: GREEN, 19: PURPLE, 22: ORANGE}
 WIDTH_NAME = {"w10": "w = 10 cm", "w20": "w = 20 cm", "winf": "w = ∞"}
@@ -166,7 +167,7 @@ def write_picture(figure, name, caption, folder=FIGURES):
     (folder / f"{name}.txt").write_text(f"{text}\n", encoding="utf-8")
 
 
-def main(draw, folder=HERE):
+def main(draw, folder=PAPER):
     """Draw from the tables in a folder; one line where a run is missing."""
     try:
         draw(Tables(folder))

@@ -1,20 +1,20 @@
 """The controls of the particle laboratory beside the baseline, from runs/particle_laboratory/curves.csv.
 
-    python plots/particle_laboratory.py
+    python -m plots.particle_laboratory
 
 Writes plots/figures/particle_laboratory_<what>.png and captions (.txt); nothing is computed here.
 """
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from fvcollapse.drawing import BLUE, GREY, new_figure, png
 from fvcollapse.files import write_atomic
+from runs.table import RUNS, read_table
 
 HERE = Path(__file__).parent
-SOURCE = HERE.parent / "runs" / "particle_laboratory"
+SOURCE = RUNS / "particle_laboratory"
 TITLES = {"control_10deg": "10\N{DEGREE SIGN}", "control_16deg": "16\N{DEGREE SIGN}"}
 CAPTION = """\
 Collapses of 7 mm beads computed grain by grain (grey) and the continuum baseline (blue), {what}.
@@ -49,15 +49,9 @@ def columns(rows, *names):
     return [np.array([float(row[name]) for row in rows]) for name in names]
 
 
-def read(name):
-    """Rows of a table."""
-    with (SOURCE / name).open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def save(figure, name, what):
     """Write the figure and its caption."""
-    table = read("validation.csv")
+    table = read_table(SOURCE / "validation.csv")
     finest = min(float(row["cell_size"]) for row in table)
     rows = [row for row in table if float(row["cell_size"]) == finest]
     front = ", ".join(
@@ -74,7 +68,7 @@ def save(figure, name, what):
 
 def main():
     """Draw both figures."""
-    curves = read("curves.csv")
+    curves = read_table(SOURCE / "curves.csv")
     names = list(TITLES)
     figure = new_figure(9.0, 7.0)
     panels = figure.subplots(6, 2, sharey=True, sharex="col")

@@ -1,11 +1,10 @@
 """Runout against slope for the three channel widths, from runs/acceptance/matrix.csv.
 
-    python plots/runout_against_slope.py
+    python -m plots.runout_against_slope
 
 Writes plots/figures/runout_against_slope.png, the numbers drawn (.csv) and the caption (.txt).
 """
 
-import csv
 from pathlib import Path
 
 import matplotlib
@@ -13,8 +12,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from runs.table import RUNS, read_table, write_table
+
 HERE = Path(__file__).parent
-SOURCE = HERE.parent / "runs" / "acceptance" / "matrix.csv"
+SOURCE = RUNS / "acceptance" / "matrix.csv"
 FIGURE = HERE / "figures" / "runout_against_slope"
 STYLES = {
     "0.1": ("#0072b2", "o", "w = 10 cm"),
@@ -29,8 +30,7 @@ Source: runs/acceptance/matrix.csv.
 
 def points():
     """Rows (width, slope in degrees, runout in m), sorted."""
-    with SOURCE.open() as file:
-        rows = list(csv.DictReader(file))
+    rows = read_table(SOURCE)
     parsed = [(*row["name"].removeprefix("a").split("_w"), float(row["runout"])) for row in rows]
     return sorted((width, float(slope), runout) for slope, width, runout in parsed)
 
@@ -50,8 +50,7 @@ def draw(rows):
 if __name__ == "__main__":
     drawn = points()
     draw(drawn)
-    with FIGURE.with_suffix(".csv").open("w", newline="") as table:
-        writer = csv.writer(table)
-        writer.writerow(["width_m", "slope_deg", "runout_m"])
-        writer.writerows(drawn)
+    columns = ("width_m", "slope_deg", "runout_m")
+    rows = (dict(zip(columns, point, strict=True)) for point in drawn)
+    write_table(FIGURE.with_suffix(".csv"), rows)
     FIGURE.with_suffix(".txt").write_text(CAPTION)

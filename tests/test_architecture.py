@@ -14,7 +14,7 @@ PACKAGE = Path(fvcollapse.__file__).parent
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
-    "errors version",
+    "errors version code_graph",
     "case_keys case_limits well_posed",
     "case_rules case_effects",
     "effects",
@@ -135,6 +135,46 @@ def test_imports_point_upwards(name):
             assert name == "__main__", f"{name} imports the package itself"
         elif other.partition(".")[0] != inside:
             assert RANK[other.partition(".")[0]] < rank, f"{name} imports {other}"
+
+
+SHARED = {"runs.study", "runs.table"}
+BORROWED = {("paper_case", "runs.experiments.convert")}  # bounds that a paper prints
+
+
+def imports_outside(path):
+    """Dotted names that a file of `runs` or `plots` imports, `from a import b` as a.b and as a."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: a relative import"
+            yield from (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
+
+
+def files_of(folder):
+    """The files of `runs` or `plots`."""
+    return sorted((PACKAGE.parent / folder).rglob("*.py"))
+
+
+@pytest.mark.parametrize(
+    "path", files_of("runs"), ids=lambda path: f"{path.parent.name}.{path.stem}"
+)
+def test_a_study_imports_no_figure_and_no_other_study(path):
+    """They share the call, the runs and the tables; figures are drawn from the tables afterwards."""
+    own = path.parent.name
+    modules = {f"runs.{file.parent.name}.{file.stem}" for file in files_of("runs")} - SHARED
+    for name in imports_outside(path):
+        assert not name.startswith("plots"), f"{path} imports {name}"
+        if name in modules and not name.startswith(f"runs.{own}."):
+            assert (own, name) in BORROWED, f"{path} imports {name}"
+
+
+@pytest.mark.parametrize("path", files_of("plots"), ids=lambda path: path.stem)
+def test_a_figure_imports_no_study(path):
+    """It reads tables."""
+    for name in imports_outside(path):
+        if name.startswith("runs."):
+            assert name == "runs.table" or name.startswith("runs.table."), f"{path} imports {name}"
 
 
 def test_no_import_cycle():

@@ -75,7 +75,7 @@ def test_outputs_do_not(change):
 
 def test_another_solver_is_another_key(monkeypatch):
     before = cache_key(CASE)
-    monkeypatch.setattr(cache, "solver_version", lambda: "0.0")
+    monkeypatch.setattr(cache, "solver_version", lambda effects: "0.0")
     assert cache_key(CASE) != before
 
 

@@ -1,14 +1,14 @@
 """The study of the effects: who is run, what is shared, tables, pictures."""
 
-import csv
-
 import pytest
 from fake_simulation import FakeSimulation
 from PIL import Image
 
 from fvcollapse import output
 from fvcollapse.effects import CATALOGUE, OBSERVATION
+from plots import effects as figures
 from runs.effects import study
+from runs.table import CURVES, read_table
 
 CELL = 0.02
 SOME = ("gate", "front_saltation", "time_origin")
@@ -26,15 +26,10 @@ def made(tmp_path_factory):
         patch.setattr(output, "Simulation", FakeSimulation)
         patch.setattr(study, "CATALOGUE", {name: CATALOGUE[name] for name in SOME})
         patch.setattr(study, "baseline", short_baseline)
-        arguments = ["--workers", "1", "--data", folder / "data", "--tables", folder]
-        arguments += ["--figures", folder / "figures", "--cell-size", CELL]
-        assert study.main([str(word) for word in arguments]) == 0
+        arguments = ["catalogue", "--workers", "1", "--out", folder / "data", "--tables", folder]
+        assert study.main([str(word) for word in [*arguments, "--cell-size", CELL]]) == 0
+        figures.main(folder, folder / "figures")
         return folder, len(list((folder / "data").iterdir())), study.members(CELL)
-
-
-def rows(path):
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_every_effect_variant_strength_and_slope_is_a_member():
@@ -65,10 +60,10 @@ def test_what_is_only_seen_shares_the_run_of_the_baseline():
 def test_tables_hold_every_member(made):
     folder, count, members = made
     assert count == len(study.shared_runs(members))
-    numbers = rows(folder / study.NUMBERS)
+    numbers = read_table(folder / study.NUMBERS)
     assert [row["effect"] for row in numbers] == [member.effect for member in members]
     assert float(numbers[0]["cost_factor"]) == 1.0
-    curves = rows(folder / study.CURVES)
+    curves = read_table(folder / CURVES)
     assert len(curves) == 2 * len(members)
     of = {(*(row[name] for name in study.MEMBER), row["quantity"]): row for row in curves}
     front = of["none", "", "", "16", "front_m"]["values"].split()
@@ -93,8 +88,8 @@ def test_every_effect_has_a_picture_with_its_caption(made):
 
 
 def test_bad_arguments_are_one_line(capsys, tmp_path):
-    assert study.main(["--workers", "0"]) == 2
-    assert study.main(["--cell-size", "0.2", "--data", str(tmp_path / "data")]) == 2
+    assert study.main(["catalogue", "--workers", "0"]) == 2
+    assert study.main(["catalogue", "--cell-size", "0.2", "--out", str(tmp_path / "data")]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 2
     assert "--workers" in lines[0]

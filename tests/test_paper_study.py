@@ -1,14 +1,20 @@
 """The study of the paper: what is read off curves and fields, verdicts, tables, the committed files."""
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from fvcollapse.case import GRAVITY, Case
-from runs.paper import cases, extract, measures, members, pressure, statements, study, tables
+from plots import paper, paper_front_slow_phase
+from runs import table
+from runs.paper import cases, extract, measures, members, pressure, statements, study
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Clause, Statement, claims, combined
+from runs.study import main as call
 
+PAPER = table.RUNS / "paper"
 TIME = measures.STEP * np.arange(201)
 
 
@@ -239,7 +245,7 @@ def test_a_missing_run_leaves_a_claim_open():
     def measure(of):
         return [Clause("", of.row("muI_a0_w10")["end_s"], 0.0, "above", 0.0)]
 
-    statement = listed[0].statement(tables.Tables("no such folder"))
+    statement = listed[0].statement(table.Tables("no such folder"))
     assert statement.verdict == OPEN
     assert "not run: muI_a0_w10" in statement.measured()
 
@@ -264,16 +270,16 @@ def written(tmp_path):
         run_row("back0.18_a22_w10", 1.0, 0.7),
         run_row("muI_a0_w10", 1.0, 0.5, complete=0),
     ]
-    tables.write(tmp_path / "group" / tables.SCALARS, tuple(rows[0]), rows)
+    table.write_table(tmp_path / "group" / table.SCALARS, rows)
     run = {"case": "muI_a22_w10", "refinement": 1.0, "cell_size_mm": 6.0}
     values = np.array([0.2, 0.25, math.nan, -0.00001, 1.5])
     curve = extract.Curve("odd_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
     values = np.minimum(0.2 + 0.01 * np.arange(20), 0.3)
     front = extract.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
     dated = extract.Curve("thickness_mm", 1.76, math.nan, "x_m", 0.0, 0.006, 100 * values[:2], 1)
-    lines = [tables.curve_row(run, of) for of in (curve, front, dated)]
-    tables.write(tmp_path / "group" / tables.CURVES, tables.HEAD, lines)
-    return tables.Tables(tmp_path)
+    lines = [table.curve_row(run, of) for of in (curve, front, dated)]
+    table.write_table(tmp_path / "group" / table.CURVES, lines)
+    return table.Tables(tmp_path)
 
 
 def test_numbers_and_their_uncertainty(written):
@@ -305,7 +311,7 @@ def test_curves_are_read_back(written):
 
 
 def test_velocity_follows_from_the_front(written):
-    line = written.line("muI_a22_w10", tables.VELOCITY)
+    line = written.line("muI_a22_w10", table.VELOCITY)
     assert np.isnan(line.values[: measures.EARLIEST]).all()
     assert line.values[-1] == pytest.approx(0.0, abs=1e-9)
 
@@ -320,13 +326,13 @@ def test_velocity_follows_from_the_front(written):
     ],
 )
 def test_what_is_not_there_is_named(written, ask):
-    with pytest.raises(tables.MissingRun, match="muI_a"):
+    with pytest.raises(table.MissingRun, match="muI_a"):
         ask(written)
 
 
 def test_reference_has_the_same_slope_and_width():
-    assert tables.reference("mu38_bed38_a10_winf") == "muI_a10_winf"
-    assert tables.reference("rate_min5e-3_a22_winf") == "muI_a22_winf"
+    assert table.reference("mu38_bed38_a10_winf") == "muI_a10_winf"
+    assert table.reference("rate_min5e-3_a22_winf") == "muI_a22_winf"
 
 
 # -- cases ---------------------------------------------------------------------------------------
@@ -357,29 +363,31 @@ def short(monkeypatch):
     listed = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
     for module in (cases, study, members):
         monkeypatch.setattr(module, "GROUPS", {"lateral_friction": listed})
+    shorter = replace(study.STUDY, parts={"lateral_friction": listed})
+    monkeypatch.setattr(study, "main", partial(call, shorter))
     return listed
 
 
 def study_in(folder, *arguments):
-    options = ["--data", str(folder / "runs"), "--tables", str(folder), "--no-figures"]
+    options = ["--out", str(folder / "runs"), "--tables", str(folder)]
     return study.main([*options, "--workers", "1", "--cell-size", "0.035", *arguments])
 
 
 def test_study_writes_tables_and_runs_nothing_twice(short, tmp_path, monkeypatch):
     assert study_in(tmp_path) == 0
-    found = tables.Tables(tmp_path)
+    found = table.Tables(tmp_path)
     assert found.row("muI_a22_w10", 1.5)["cell_size_mm"] == pytest.approx(35.0 / 1.5, rel=1e-5)
     assert found.row("muI_a22_w10")["cpu_s"] > 0.0
     assert found.line("muI_a22_w10", "front_m").values[0] == pytest.approx(0.2, abs=0.002)
     assert found.line("muI_a22_w10", "thickness_mm", 0.1).values.max() > 100.0
-    first = (tmp_path / "lateral_friction" / tables.CURVES).read_bytes()
+    first = (tmp_path / "lateral_friction" / table.CURVES).read_bytes()
     monkeypatch.setattr("fvcollapse.output.Simulation", None)  # a second run would need it
     assert study_in(tmp_path) == 0
-    assert (tmp_path / "lateral_friction" / tables.CURVES).read_bytes() == first
+    assert (tmp_path / "lateral_friction" / table.CURVES).read_bytes() == first
 
 
 def test_a_run_that_stopped_is_left_out_and_named(short, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(study, "compute", lambda *_: None)
+    monkeypatch.setattr(study, "run_in_folders", lambda *_: None)
     assert study_in(tmp_path) == 1
     assert "muI_a22_w10_35mm" in capsys.readouterr().err
     assert not (tmp_path / "lateral_friction").exists()
@@ -388,7 +396,7 @@ def test_a_run_that_stopped_is_left_out_and_named(short, tmp_path, monkeypatch, 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["figure_3"], "GROUP: found figure_3; allowed: lateral_friction"),
+        (["figure_3"], "PART: found figure_3; allowed: lateral_friction"),
         (["--workers", "0"], "--workers: found 0"),
         (["--cell-size", "0.2"], "--cell-size 0.2: grid.cell_size"),
     ],
@@ -404,36 +412,47 @@ def test_bad_arguments_are_one_line(tmp_path, capsys, arguments, words):
 
 
 def test_committed_tables_are_readable_and_small():
-    found = tables.Tables()
+    found = table.Tables(PAPER)
     assert found.scalars
     for row in found.scalars.values():
         assert row["complete"] == 1.0
     for lines in found.curves.values():
         for line in lines:
-            assert np.isfinite(tables.as_line(line).values).any()
-    size = sum(path.stat().st_size for path in tables.HERE.glob("**/*.csv"))
+            assert np.isfinite(table.as_line(line).values).any()
+    size = sum(path.stat().st_size for path in PAPER.glob("**/*.csv"))
     assert size < 650_000
 
 
 def test_committed_statements_follow_from_the_committed_tables(tmp_path):
-    found = statements.all_statements(tables.Tables())
-    text = (tables.HERE / "statements.md").read_text(encoding="utf-8")
+    found = statements.all_statements(table.Tables(PAPER))
+    text = (PAPER / "statements.md").read_text(encoding="utf-8")
     for number, statement in enumerate(found, start=1):
         assert f"| {number} | {statement.place} | {statement.claim} | " in text
         assert statement.measured().replace("|", "/") in text
-    rows = tables.rows(tables.HERE / "statements.csv")
+    rows = table.read_table(PAPER / "statements.csv")
     assert [row["verdict"] for row in rows] == [
         row["verdict"] for row in statements.clause_rows(found)
     ]
+
+
+def test_figures_and_statements_share_what_a_slow_phase_is():
+    assert paper_front_slow_phase.PLATEAU_LEAST == measures.PLATEAU_LEAST
+
+
+def test_the_labels_of_the_sensitivities_are_those_of_the_cases(tmp_path):
+    study.write_labels(tmp_path / table.LABELS)
+    stored = PAPER / "sensitivity" / table.LABELS
+    assert (tmp_path / table.LABELS).read_bytes() == stored.read_bytes()
 
 
 @pytest.mark.slow
 def test_everything_is_remade(tmp_path, monkeypatch):
     """All cases on the coarsest grids that are allowed, the statements and the figures."""
     monkeypatch.setattr("plots.paper_style.FIGURES", tmp_path / "figures")
-    options = ["--data", str(tmp_path / "runs"), "--tables", str(tmp_path), "--cell-size", "0.035"]
+    options = ["--out", str(tmp_path / "runs"), "--tables", str(tmp_path), "--cell-size", "0.035"]
     assert study.main(options) in (0, 1)  # on such grids a run may fail; it is named and left out
-    of = tables.Tables(tmp_path)
+    paper.main(tmp_path)
+    of = table.Tables(tmp_path)
     assert len(of.scalars) > 150
     assert (tmp_path / "statements.md").exists()
     assert len(list((tmp_path / "figures").glob("*.png"))) > 10

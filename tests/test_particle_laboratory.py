@@ -12,6 +12,7 @@ from fvcollapse import load_case, load_experiment
 from fvcollapse.align import align
 from plots import particle_laboratory as figures
 from runs.particle_laboratory import study
+from runs.table import write_table
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +30,9 @@ def data(tmp_path_factory):
 
 
 def options(data, out):
-    return Namespace(data=data, out=out, cache=out / "cache", workers=1, cell_size=None)
+    return Namespace(
+        data=data, out=out / "out", tables=out, cache=out / "cache", workers=1, cell_size=None
+    )
 
 
 def test_baseline_holds_what_is_known_and_nothing_else():
@@ -65,8 +68,8 @@ def test_curves_can_be_drawn(data, tmp_path, monkeypatch):
         pairs = align(collapse(one.case()), one)
         rows += study.curve_rows(name, pairs)
         table.append({"experiment": name, "cell_size": 0.006} | study.measures(pairs))
-    study.write_table(tmp_path / "curves.csv", rows)
-    study.write_table(tmp_path / "validation.csv", table)
+    write_table(tmp_path / "curves.csv", rows)
+    write_table(tmp_path / "validation.csv", table)
     times = {row["time"] for row in rows if row["observable"] == "profiles"}
     assert len(times) >= study.PROFILES_SHOWN
     monkeypatch.setattr(figures, "SOURCE", tmp_path)
@@ -106,8 +109,8 @@ def test_answers_are_in_the_form_that_is_scored(data, tmp_path, monkeypatch):
         "probability": {"none": 0.75, "gate": 0.25},
         "set": ["none", "gate"],
     }
-    assert (tmp_path / "blind" / "b02" / "report.html").exists()
-    assert not (tmp_path / "blind" / "b02" / "full").exists()
+    assert (tmp_path / "out" / "blind" / "b02" / "report.html").exists()
+    assert [path.name for path in (tmp_path / "blind" / "b02").iterdir()] == ["report.json"]
     folders, case, settings = calls[0]
     assert folders == [data / "blind" / "b01"]
     assert case == study.BASELINE

@@ -16,7 +16,7 @@ import pytest
 from fvcollapse import workers
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.files import exclusive
-from fvcollapse.fingerprint import solver_files, solver_version, statements
+from fvcollapse.fingerprint import solver_version
 from fvcollapse.workers import ATTEMPTS, run_all
 
 
@@ -210,23 +210,3 @@ def test_worker_with_another_solver_is_refused():
     with pytest.raises(FvcollapseError, match=r"a worker with solver .*; allowed: .* 9.9"):
         workers.call("9.9", fake_tasks.double, (1,))
     assert workers.call(solver_version(), fake_tasks.double, (1,)) == 2
-
-
-# -- the version of the solver -------------------------------------------------------------------
-
-
-def test_version_covers_the_step_and_nothing_of_the_output():
-    names = {path.name for path in solver_files()}
-    assert {"simulation.py", "recorder.py", "coupled.py", "gate.py", "grid.py"} <= names
-    assert not {"output.py", "sweep.py", "pictures.py"} & names
-    assert all(path.is_file() for path in solver_files())
-
-
-def test_comments_and_docstrings_do_not_count():
-    plain = 'def f(x):\n    return "a" + x\n'
-    told = (
-        '"""Module."""\n\n\ndef f(x):  # comment\n    """Docs."""\n    return (\n        "a" + x)\n'
-    )
-    assert statements(plain) == statements(told)
-    assert statements(plain) != statements(plain.replace('"a"', '"b"'))
-    assert statements('def f():\n    """Docs."""\n') == statements("def f():\n    pass\n")

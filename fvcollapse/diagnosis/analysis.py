@@ -105,6 +105,17 @@ class Analysis:
         """Effect -> `Response`s on the points of the experiments."""
         return own_responses(self.library.responses, self.own)
 
+    @property
+    def gap(self):
+        """Simulated - measured, (N,), as it is compared: mean of the ensemble, less the shift."""
+        return self.baseline - self.shift + self.expected - self.points.measured
+
+    def evidence_of(self, effects):
+        """The `Evidence` of some effects, as if the others were not in the catalogue."""
+        responses = {name: each for name, each in self.responses.items() if name in effects}
+        comparison = Comparison(self.covariance, self.kernel, responses, self.points)
+        return replace(comparison.evidence(self.gap), balance=self.evidence.balance)
+
     @cached_property
     def separability(self):
         """The `Separability` of the effects."""

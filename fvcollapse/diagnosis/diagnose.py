@@ -1,6 +1,7 @@
 """Where simulation and experiment differ, which effect causes it, and how far the gap shrinks with it."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
 from fvcollapse.diagnosis.findings import report_of
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
+from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.reduction import climb
@@ -98,7 +100,8 @@ def diagnose(
         seed=seed,
     )
     model = verdict_model_for(analysis)
-    answer = verdict(analysis.evidence, model, analysis.separability)
+    analysis, known = with_known(analysis, model)
+    answer = verdict(analysis.evidence, model, analysis.separability, known)
     winner, runner_up = contenders(analysis, answer)
     ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)
     following = choices(analysis, answer.probability, runner)
@@ -119,12 +122,23 @@ def diagnose(
 
 
 def verdict_model_for(analysis):
-    """The `VerdictModel` if it was fitted to data like these (films, no controls, these effects), else None."""
+    """The `VerdictModel` if it was fitted to data like these: films, no controls, some of these effects; else None."""
     values = np.count_nonzero(analysis.points.kind == "value")
     if analysis.controls or values < FILMED:
         return None
     model = VerdictModel.load()
-    return model if model is not None and model.covers(analysis.evidence) else None
+    return model if model is not None and model.judges(analysis.evidence) else None
+
+
+def with_known(analysis, model):
+    """(`Analysis`, `Evidence` of the effects that the model knows); None without a new effect.
+
+    The pairs of effects that only the latter opened are added to the evidence of the analysis.
+    """
+    if model is None or model.covers(analysis.evidence):
+        return analysis, None
+    known = analysis.evidence_of(model.classes)
+    return replace(analysis, evidence=merged(analysis.evidence, known)), known
 
 
 def load_all(experiments):

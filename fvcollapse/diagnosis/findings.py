@@ -13,6 +13,7 @@ from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
 from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import NAMED, UNKNOWN
+from fvcollapse.diagnosis.new_effects import new_hypotheses
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -79,7 +80,7 @@ def report_of(analysis, verdict, ladder, choices, baseline, cost, model=None):
             ladder=rungs(analysis, ladder),
             confirmation=confirmation(analysis, verdict, ladder),
             alternatives=upcoming[1:],
-            limits=[*limits(analysis, ladder), model_words(model)],
+            limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
         ),
     )
 
@@ -604,7 +605,7 @@ def far_words(ladder):
     return words
 
 
-def model_words(model):
+def model_words(model, evidence):
     """What the probabilities rest on."""
     if model is None:
         return (
@@ -617,6 +618,13 @@ def model_words(model):
     )
     if not model.is_of_this_solver:
         words += f" It was trained with solver {model.solver}, not the present one."
+    new = [name for name in new_hypotheses(evidence, model.classes) if "+" not in name]
+    if new:
+        which = "each of them" if len(new) > 1 else "this effect"
+        words += (
+            f" The verdict was not trained on {', '.join(new)}: the probability of {which} is a tempered "
+            "evidence and not calibrated. The other effects are compared with each other as without it."
+        )
     return words
 
 

@@ -14,6 +14,9 @@ them in twenty raises a false alarm.
 Two things are no features but odds of their own, known before any fit: what the profiles' own `mass_balance`
 says, and how far something unknown is ahead of all else.
 
+An effect that was added to the catalogue after the fit is judged by its tempered evidence, all others by
+the model (`new_effects`).
+
 The fitted model is a small JSON file of the package. It knows nothing of a discrepancy that controls have
 taught: with them (on particle collapses in which nothing is hidden it named unknown and an effect of
 the view) and without a model evidences are tempered by
@@ -38,6 +41,8 @@ from scipy.special import logsumexp
 
 from fvcollapse.case_keys import read_text
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
+from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
+from fvcollapse.effects import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files import write_atomic
 from fvcollapse.fingerprint import solver_version
@@ -95,7 +100,7 @@ class Verdict(NamedTuple):
     set : tuple of str
         Hypotheses that are left open, the most probable first; empty: nothing of the catalogue fits.
     conformal : dict
-        Hypothesis -> conformal p-value; empty without a model.
+        Hypothesis -> conformal p-value; empty without a model, and without those that it does not know.
     """
 
     kind: str
@@ -249,12 +254,17 @@ class VerdictModel:
 
     @property
     def is_of_this_solver(self):
-        """Whether the suite was computed with the present solver."""
-        return self.solver == solver_version()
+        """Whether the suite was computed with the present solver, effects that are new left aside."""
+        return self.solver == solver_of(self.effects)
 
     def covers(self, evidence):
         """Whether the suite had cases of every effect of an evidence."""
-        return {name for name in evidence.hypotheses if "+" not in name} <= set(self.classes)
+        return not new_hypotheses(evidence, self.classes)
+
+    def judges(self, evidence):
+        """Whether the suite had cases of none, of unknown, and of an effect of an evidence."""
+        known = set(evidence.hypotheses) & set(self.classes)
+        return {NONE, UNKNOWN} < known
 
     def probabilities(self, evidence):
         """{class: probability} of the classes that were compared."""
@@ -374,9 +384,15 @@ def fit(suite, effects, about=None, kinds=None):
         case_slopes=case_slopes,
         intercept=intercept,
         calibration={name: np.sort(scores[truth == name]) for name in classes},
-        solver=solver_version(),
+        solver=solver_of(effects),
         about={"cases": len(suite)} | (about or {}),
     )
+
+
+def solver_of(effects):
+    """`solver_version` with some effects; errors of the set-up act in every diagnosis and always count."""
+    errors = [name for name, effect in CATALOGUE.items() if effect.kind == NUISANCE]
+    return solver_version((*effects, *errors))
 
 
 class Table(NamedTuple):
@@ -547,35 +563,69 @@ def digest(content):
 # -- the verdict ---------------------------------------------------------------------------------
 
 
-def verdict(evidence, model=None, separability=None):
+def verdict(evidence, model=None, separability=None, known=None):
     """The `Verdict` of an evidence.
 
     Parameters
     ----------
     evidence : Evidence
     model : VerdictModel, optional
-        None, or one that does not know an effect of the evidence: tempered evidences.
+        Judges the effects that it knows; the others, and all without a model, are judged by tempered
+        evidences (see `new_effects`).
     separability : Separability, optional
         Its classes are groups that cannot be told apart.
+    known : Evidence, optional
+        Of the effects that the model knows, compared without the new ones; its pairs are also in
+        `evidence`. Default: what `evidence` holds of them.
     """
-    if model is None or not model.covers(evidence):
+    new = () if model is None else new_hypotheses(evidence, model.classes)
+    known = without(evidence, new) if known is None else known
+    if model is None or not model.judges(known):
         return tempered(evidence, separability)
-    shares = model.probabilities(evidence)
+    shares = model.probabilities(known)
     p_values = model.conformal(shares)  # before the cap: the scores of the suite have none
-    probability = in_order(named(evidence, capped(shares, model.cap)))
-    conformal = {name: p_values.get(class_of(name), 0.0) for name in probability}
-    kept = tuple(name for name in probability if is_open(name, probability, conformal))
-    if NONE in kept:
+    judged = in_order(named(known, capped(shares, model.cap)))
+    conformal = {name: p_values.get(class_of(name), 0.0) for name in judged}
+    probability, clear = judged, False
+    if new:
+        every = tempered_shares(evidence)
+        probability = in_order(with_new(judged, every, new, CAP))
+        uncapped = in_order(with_new(judged, every, new, 1.0))
+        clear = is_clear(next(iter(uncapped)), uncapped)
+    likely = smallest_set(probability, 1.0 - KEPT)
+    kept = tuple(
+        name
+        for name in probability
+        if (name in likely if name in new else is_open(name, judged, conformal))
+    )
+    if NONE in kept and not (clear and kept[0] in new):
         return finished(NONE, probability, kept, conformal, separability)
     return finished(kept[0] if kept else UNKNOWN, probability, kept, conformal, separability)
+
+
+def is_clear(name, probability):
+    """Whether a hypothesis is so much more probable than none that no predictive check counts."""
+    return probability[name] > CLEAR * probability[NONE]
 
 
 def tempered(evidence, separability):
     """The verdict without a model.
 
     A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
-    The prior is that of the classes, as in a model. Two effects together count if the best single one fails
-    its check: nothing has taught here how much a second effect adds by chance.
+    """
+    probability = in_order(capped(tempered_shares(evidence), CAP))
+    kept = smallest_set(probability, 1.0 - KEPT)
+    passes = evidence.hypotheses[NONE].p_value >= NONE_KEPT
+    clear = is_clear(kept[0], probability)
+    best = NONE if passes and NONE in kept and not clear else kept[0]
+    return finished(best, probability, kept, {}, separability)
+
+
+def tempered_shares(evidence):
+    """{hypothesis: probability} of tempered evidences and the prior of the classes.
+
+    The prior is that of a model. Two effects together count if the best single one fails its check:
+    nothing has taught here how much a second effect adds by chance.
     """
     found = evidence.hypotheses
     single = [name for name in found if name not in (NONE, UNKNOWN) and "+" not in name]
@@ -588,17 +638,7 @@ def tempered(evidence, separability):
     logs = [found[name].log_evidence / TEMPERATURE for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     logs += [balance_logit(evidence, name) for name in names]
-    shares = dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
-    probability = in_order(capped(shares, CAP))
-    kept, total = [], 0.0
-    for name, share in probability.items():
-        if total < 1.0 - KEPT:
-            kept.append(name)
-            total += share
-    passes = found[NONE].p_value >= NONE_KEPT
-    clear = probability[kept[0]] > CLEAR * probability[NONE]
-    best = NONE if passes and NONE in kept and not clear else kept[0]
-    return finished(best, probability, tuple(kept), {}, separability)
+    return dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
 
 
 def is_open(name, probability, conformal):

@@ -1,23 +1,22 @@
 """The numbers that the solver must reach on real collapses, one row per case.
 
-    python runs/acceptance/study.py matrix grid time_step random --workers 2
+    python -m runs.acceptance.study matrix grid time_step random --workers 2
 
-Each part writes runs/acceptance/<part>.csv and prints it. Cases already in the file are not run
-again.
+Each part writes runs/acceptance/<part>.csv and prints the new rows. Cases that are already in the table are
+not run again; delete the table to remake it.
 """
 
-import argparse
-import csv
-import itertools
 import json
-import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from pathlib import Path
+import sys
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
 
-HERE = Path(__file__).parent
+from runs.study import Study, add_rows, cost, run_settings
+from runs.study import main as call
+from runs.table import read_table
+
 SLOPES = (0, 10, 16, 19, 22)
 WIDTHS = (0.10, 0.20, float("inf"))
 LAWS = ("mu_I", "drucker_prager", "bingham", "newtonian", "mu_I_regularised")
@@ -90,31 +89,14 @@ def collapse(slope, width, end=2.5, **changes):
     return settings | changes
 
 
-def run_one(name, settings):
-    """Run one case in memory and reduce it to a row."""
-    from fvcollapse import run
-    from fvcollapse.case import case_from_text
-
-    case = case_from_text("", source=name).replace(**settings)
-    start = time.process_time()
-    try:
-        result = run(case)
-    except Exception as error:  # a failed case is a row of the table, with its reason
-        return {
-            "name": name,
-            "settings": json.dumps(settings),
-            "failure": f"{type(error).__name__}: {error}",
-        }
-    return {
-        "name": name,
-        "settings": json.dumps(settings),
-        "failure": "",
-        **measure(result, case),
-        "cpu_s": round(time.process_time() - start, 1),
-    }
+def row_of(first, result, problem, cpu_s):
+    """A finished run as a row; a failed one is a row as well, with its reason."""
+    if result is None:
+        return first | {"failure": problem}
+    return first | {"failure": "", **measure(result), "cpu_s": round(cpu_s, 1)}
 
 
-def measure(result, case):
+def measure(result):
     """Numbers of one finished run."""
     series = {key: np.asarray(value) for key, value in result.series.items()}
     t = series["time"]
@@ -147,22 +129,25 @@ def measure(result, case):
     return row
 
 
-def run_part(part, workers):
-    """Run what is missing of one part and rewrite its table after every case."""
-    path = HERE / f"{part}.csv"
-    done = {row["name"]: row for row in csv.DictReader(path.open())} if path.exists() else {}
-    cases = {name: settings for name, settings in globals()[part]().items() if name not in done}
-    with ProcessPoolExecutor(workers) as pool:
-        for future in as_completed([pool.submit(run_one, *item) for item in cases.items()]):
-            row = future.result()
-            done[row["name"]] = row
-            write(path, done)
-            print({key: value for key, value in row.items() if key != "settings"}, flush=True)
+def do_part(part, options):
+    """Run what is missing of one part, and add its rows to the table."""
+    path, folder = options.tables / f"{part}.csv", options.out / part
+    rows = [
+        row_of(first, result, problem, cost(folder / name))
+        for name, first, result, problem in run_settings(
+            path, PARTS[part](), folder, options.workers
+        )
+    ]
+    add_rows(path, rows)
+    for row in rows:
+        print({key: value for key, value in row.items() if key != "settings"})
+    if part == "grid":
+        print_richardson(path)
 
 
 def print_richardson(path):
     """Observed order and extrapolated value of the grid study, where the three grids are monotone."""
-    rows = sorted(csv.DictReader(path.open()), key=lambda row: cell_size(row), reverse=True)
+    rows = sorted(read_table(path), key=cell_size, reverse=True)
     sizes = [cell_size(row) for row in rows]
     for name in ("runout_10mm", "runout", "runout_1mm", "x_99", "peak_front_velocity"):
         values = [float(row[name]) for row in rows]
@@ -185,21 +170,10 @@ def cell_size(row):
     return json.loads(row["settings"]).get("grid.cell_size", 0.006)
 
 
-def write(path, rows):
-    """Write the rows, sorted by name, with all their columns."""
-    columns = list(dict.fromkeys(itertools.chain.from_iterable(rows.values())))
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns)
-        writer.writeheader()
-        writer.writerows(rows[name] for name in sorted(rows))
+PARTS = {"matrix": matrix, "grid": grid, "time_step": time_step, "random": random}
+STUDY = Study("acceptance", __doc__, {part: partial(do_part, part) for part in PARTS}, uses=())
+main = partial(call, STUDY)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("parts", nargs="+", choices=["matrix", "grid", "time_step", "random"])
-    parser.add_argument("--workers", type=int, default=2)
-    arguments = parser.parse_args()
-    for name in arguments.parts:
-        run_part(name, arguments.workers)
-        if name == "grid":
-            print_richardson(HERE / "grid.csv")
+    sys.exit(main())

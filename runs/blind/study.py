@@ -6,16 +6,22 @@
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
     python -m runs.blind.study reduce     [--ladders 60]    whole diagnoses with an experiment held out
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
+    python -m runs.blind.study restamp    --note "REASON"   the shipped layer, as of the present solver
 
 The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
 and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
 after a change of the diagnosis make another one (--out), and let the old one teach (fit --used-up).
+
+`restamp` marks the verdict layer as of the present solver without fitting it again. It is right only if the
+present solver gives the same numbers, bit by bit, as the one of the training suite; the note says how
+that was shown, and stays in the file with the earlier version.
 """
 
-import argparse
 import json
 import shutil
 import sys
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from fvcollapse.blind.generator import TRAINING, known_effects
@@ -39,36 +45,18 @@ from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
-from fvcollapse.diagnosis.verdict import VerdictModel
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.diagnosis.verdict import SHIPPED, VerdictModel, solver_of
+from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files import write_atomic
+from runs.study import Study
+from runs.study import main as call
 
-HERE = Path(__file__).parent
 REDUCTIONS = "reductions.json"
 TRAINING_SEED = 2026
 
 
-def main(argv=None):
-    """Run one step; return the exit status: 0 done, 1 a run failed, 2 bad input, 130 stopped."""
-    try:
-        arguments = parse(argv)
-        return STEPS[arguments.step](arguments)
-    except FvcollapseError as error:
-        print(error, file=sys.stderr)
-        return error.exit_status
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on", file=sys.stderr)
-        return 130
-
-
-def parse(argv):
-    """The arguments."""
-    parser = argparse.ArgumentParser(
-        prog="python -m runs.blind.study", description=__doc__.split("\n")[0]
-    )
-    parser.add_argument("step", choices=STEPS, help="in this order")
-    parser.add_argument("--out", type=Path, default=Path("out/blind"), help="folder of the suites")
-    parser.add_argument("--tables", type=Path, default=HERE, help="folder of seal, answers, scores")
+def add_options(parser):
+    """Options of this study."""
     parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
     parser.add_argument("--first", type=int, help="only the first training cases; default all")
     parser.add_argument("--nothing", type=int, default=60, help="further cases of none; default 60")
@@ -82,11 +70,9 @@ def parse(argv):
     )
     parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
     parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
-    parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
     parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
-    parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
-    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
-    return parser.parse_args(argv)
+    parser.add_argument("--layer", type=Path, default=SHIPPED, help="verdict layer to restamp")
+    parser.add_argument("--note", help="why a restamp is right; required by it")
 
 
 def make_training_suite(arguments):
@@ -109,7 +95,6 @@ def make_training_suite(arguments):
         workers=arguments.workers,
         quiet=False,
     )
-    return 0
 
 
 def options_of(arguments):
@@ -147,7 +132,6 @@ def fit_verdict(arguments):
     scores = cross_validated(suites)
     write_scores(arguments.tables / "training_scores.json", scores)
     print(json.dumps({name: scores[name] for name in ("all", "alarms", "calibration")}, indent=1))
-    return 0
 
 
 def make_blind_suite(arguments):
@@ -155,7 +139,6 @@ def make_blind_suite(arguments):
     seal = make(arguments.cases, arguments.out / "blind", workers=arguments.workers, quiet=False)
     shutil.copyfile(seal, arguments.tables / SEAL)
     print(arguments.tables / SEAL)
-    return 0
 
 
 def answer_blind_suite(arguments):
@@ -174,7 +157,6 @@ def answer_blind_suite(arguments):
         write_answers(arguments.tables / f"answers_{name}.json", completed(found, cases))
     write_answers(path, completed(answers(evidence, model), cases))
     print(path)
-    return 0
 
 
 def completed(found, cases):
@@ -193,7 +175,6 @@ def reduce_gaps(arguments):
             found[case.name] = answer_of(report)
     write_answers(arguments.tables / REDUCTIONS, found)
     print(arguments.tables / REDUCTIONS)
-    return 0
 
 
 def held_out_report(case, folder, arguments):
@@ -229,7 +210,26 @@ def score_answers(arguments):
         scores["reduction"] = reduction_scores(rows)
     write_scores(arguments.tables / "scores.json", scores)
     print(table(scores))
-    return 0
+
+
+def restamp_verdict(arguments):
+    """Mark the verdict layer as of the present solver, with the reason."""
+    note = (arguments.note or "").strip()
+    if not note:
+        raise InputError("command line", "--note", "none", "why both solvers give the same numbers")
+    model = VerdictModel.load(arguments.layer)
+    if model is None:
+        raise InputError(
+            "command line", "restamp", "no fitted verdict layer", "the step fit before"
+        )
+    restamped(model, note).save(arguments.layer)
+    print(arguments.layer)
+
+
+def restamped(model, note):
+    """The `VerdictModel` with the version of the present solver, and a note beside the earlier one."""
+    notes = [*model.about.get("restamped", []), {"from": model.solver, "note": note}]
+    return replace(model, solver=solver_of(model.effects), about=model.about | {"restamped": notes})
 
 
 STEPS = {
@@ -239,7 +239,12 @@ STEPS = {
     "answer": answer_blind_suite,
     "reduce": reduce_gaps,
     "score": score_answers,
+    "restamp": restamp_verdict,
 }
+
+
+STUDY = Study("blind", __doc__, STEPS, add_options=add_options)
+main = partial(call, STUDY)
 
 
 if __name__ == "__main__":

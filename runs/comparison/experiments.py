@@ -1,14 +1,12 @@
 """The computed collapses against experiments: runout and height, deposit shape, scaling laws."""
 
-from pathlib import Path
-
 import numpy as np
-from analysis import on_curve, power_coefficient
-from tables import line, profile, read, table, write
 
 from fvcollapse.observables import front_position
+from runs.comparison.analysis import on_curve, power_coefficient
+from runs.comparison.tables import line, profile, table
+from runs.table import read_table
 
-HERE = Path(__file__).parent
 DEPOSITS = (  # those that have lost their flat top: label, part, name
     ("beads, a = 1.2", "channel", "a1.2"),
     ("beads, a = 2", "channel", "a2"),
@@ -23,10 +21,10 @@ SCATTER = 0.059  # of the runouts about 1.83 a, for a < 3
 SHAPE_ERROR = 0.015  # of the published deposit shape, relative to its height
 
 
-def channel(data):
+def channel(of):
     """Runout and final height of the beads against aspect ratio, point by point and on average."""
-    folder, rows = data / "lab" / "lajeunesse2005_digitised", []
-    runs = [row for row in read(HERE / "channel.csv") if "_" not in row["name"]]
+    folder, rows = of.data / "lab" / "lajeunesse2005_digitised", []
+    runs = [row for row in of.computed("channel") if "_" not in row["name"]]
     runs.sort(key=lambda row: float(row["aspect"]))
     aspect = np.array([float(row["aspect"]) for row in runs])
     for label, file, given_name, found_name in (
@@ -36,8 +34,8 @@ def channel(data):
         points = table(folder / file, columns=(0, 1))
         a, given = points["a_H0_over_L0"], points[given_name]
         error = given * relative_error(label, a, given)
-        write(
-            HERE / "reference" / f"beads_{label.replace(' ', '_')}.csv",
+        of.write(
+            f"reference/beads_{label.replace(' ', '_')}.csv",
             ("a", "value", "error"),
             zip(a, given, error.round(4), strict=True),
         )
@@ -72,16 +70,14 @@ def summary(label, a, given, error, found):
             yield line(f"beads in a channel, {here.sum()} points", quantity, at, 1.0, unit, ratio)
 
 
-def shape(data):
+def shape(of):
     """Dimensionless deposit: height over its largest against distance over the runout."""
-    points = table(data / "lab" / "lube2005_shape" / "final_shape.csv")
+    points = table(of.data / "lab" / "lube2005_shape" / "final_shape.csv")
     x, given = points["x_star"], points["y_star"]
-    write(
-        HERE / "reference" / "deposit_shape.csv", ("x_star", "y_star"), zip(x, given, strict=True)
-    )
+    of.write("reference/deposit_shape.csv", ("x_star", "y_star"), zip(x, given, strict=True))
     drawn = []
     for label, part, name in DEPOSITS:
-        distance, h = profile(part, name)
+        distance, h = profile(of, part, name)
         end = front_position(distance, h, TIP * h.max())
         drawn += [
             (label, round(a, 4), round(b, 4))
@@ -92,14 +88,16 @@ def shape(data):
         for quantity, value in (("root mean square", rms), ("mean", float(difference.mean()))):
             row = (f"deposit shape, {label}", f"{quantity} difference", "", 0.0, SHAPE_ERROR)
             yield (*row, round(value, 4), "", round(value / SHAPE_ERROR, 2))
-    write(HERE / "deposit_shapes.csv", ("deposit", "x_star", "y_star"), drawn)
+    of.write("deposit_shapes.csv", ("deposit", "x_star", "y_star"), drawn)
 
 
-def laws(data):
+def laws(of):
     """Coefficients of the scaling laws, from the computed runouts and heights."""
-    rows = {row["id"]: row for row in read(data / "lab" / "scaling_laws" / "scaling_laws.csv")}
-    beads = [row for row in read(HERE / "channel.csv") if "_" not in row["name"]]
-    flat = [row for part in ("columns", "plane") for row in read(HERE / f"{part}.csv")]
+    rows = {
+        row["id"]: row for row in read_table(of.data / "lab" / "scaling_laws" / "scaling_laws.csv")
+    }
+    beads = [row for row in of.computed("channel") if "_" not in row["name"]]
+    flat = [row for part in ("columns", "plane") for row in of.computed(part)]
     flat = [row for row in flat if "_" not in row["name"]]
     for law in ("Lajeunesse2005-2D-digitised", "Lajeunesse2005-2D", "Lube2005-2D"):
         low, high = (float(rows[law][f"{side}_a_coeff"]) for side in ("low", "high"))

@@ -1,24 +1,26 @@
 """Collapses that other people computed or measured, recomputed with their constants; nothing is tuned.
 
-    python runs/comparison/study.py columns volume_of_fluid channel plane differences --data FOLDER
+    python -m runs.comparison.study columns volume_of_fluid channel plane differences --data FOLDER
 
-FOLDER holds the published data (particles, continuum, lab). Each part but the last runs its cases
-and writes runs/comparison/<part>.csv and <part>_profiles.csv; cases already in the table are not
-run again. The last compares the tables with the data, writes differences.csv and the reference
-curves of the figures, and prints the differences in units of the uncertainty of the data.
+FOLDER holds the published data (particles, continuum, lab), which only the last part reads. Each other part runs
+its cases and writes runs/comparison/<part>.csv and <part>_profiles.csv; cases already in the table are not run
+again. The last compares the tables with the data, writes differences.csv and the reference curves of
+the figures, and prints the differences in units of the uncertainty of the data.
 """
 
-import argparse
 import json
 import math
-import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from pathlib import Path
+import sys
+from functools import partial
 
 import numpy as np
-from tables import read, write
 
-HERE = Path(__file__).parent
+from runs.comparison.differences import compare
+from runs.comparison.tables import Folders
+from runs.study import Study, add_rows, cost, run_settings
+from runs.study import main as call
+from runs.table import read_table, write_table
+
 GRAVITY = 9.81
 # mu(I) of the discs, with the bulk density in I as the other solver has it
 DISCS = {
@@ -147,23 +149,15 @@ def times(height, end, dated=()):
 # -- runs --------------------------------------------------------------------------------------
 
 
-def run_one(name, settings, deposit_only):
-    """Run one case in memory: its row of the table, and its profiles."""
-    from fvcollapse import run
-    from fvcollapse.case import case_from_text
-
-    case = case_from_text("", source=name).replace(**settings)
-    start = time.process_time()
-    result = run(case)
-    series, height = result.series, case.geometry.height_0
-    summary = result.summary()
-    row = {
-        "name": name,
-        "settings": json.dumps(settings),
-        "aspect": round(height / case.geometry.length_0, 4),
-        "runout_over_l0": round(summary["runout"] / case.geometry.length_0 - 1.0, 4),
-        "runout_1mm_over_l0": round(summary["runout_1mm"] / case.geometry.length_0 - 1.0, 4),
-        "final_height_over_l0": round(summary["final_thickness"] / case.geometry.length_0, 4),
+def row_of(first, result, cpu_s):
+    """A finished run as a row."""
+    series, height = result.series, result.case.geometry.height_0
+    length, summary = result.case.geometry.length_0, result.summary()
+    return first | {
+        "aspect": round(height / length, 4),
+        "runout_over_l0": round(summary["runout"] / length - 1.0, 4),
+        "runout_1mm_over_l0": round(summary["runout_1mm"] / length - 1.0, 4),
+        "final_height_over_l0": round(summary["final_thickness"] / length, 4),
         "max_speed_end": float(f"{summary['final_max_speed']:.3g}"),
         "volume_error_max": float(f"{summary['volume_error_max']:.3g}"),
         "volume_correction": float(f"{summary['volume_correction']:.3g}"),
@@ -172,12 +166,8 @@ def run_one(name, settings, deposit_only):
         "x_99_curve": json.dumps(
             curve(series["time"], series["x_99"], height, np.arange(0.0, 8.01, 0.1))
         ),
-        "cpu_s": round(time.process_time() - start, 1),
+        "cpu_s": round(cpu_s, 1),
     }
-    profiles = result.profiles
-    if deposit_only:
-        profiles = profiles._replace(time=profiles.time[-1:], thickness=profiles.thickness[-1:])
-    return row, profile_rows(name, profiles, height)
 
 
 def curve(t, value, height, at):
@@ -187,49 +177,60 @@ def curve(t, value, height, at):
     return (np.interp(at, t_star, value) / height).round(4).tolist()
 
 
-def profile_rows(name, profiles, height):
+def profile_rows(name, result, deposit_only):
     """Profiles in column heights, from the back wall to the first bare node beyond the grains."""
-    rows = []
-    for t, h in zip(profiles.time, profiles.thickness, strict=True):
+    profiles, height, rows = result.profiles, result.case.geometry.height_0, []
+    pairs = list(zip(profiles.time, profiles.thickness, strict=True))
+    for t, h in pairs[-1:] if deposit_only else pairs:
         t_star = round(float(t) * math.sqrt(GRAVITY / height), 3)
         last = min(np.flatnonzero(h > 0.0)[-1] + 2, h.size)
         rows += [
-            (name, t_star, round(x / height, 4), round(value / height, 4))
+            {
+                "name": name,
+                "t_star": t_star,
+                "x_over_h0": round(x / height, 4),
+                "h_over_h0": round(value / height, 4),
+            }
             for x, value in zip(profiles.x[:last].tolist(), h[:last].tolist(), strict=True)
         ]
     return rows
 
 
-def run_part(part, workers):
-    """Run what is missing of one part and rewrite its tables after every case."""
-    done = {row["name"]: row for row in read(HERE / f"{part}.csv")}
-    profiles = [tuple(row.values()) for row in read(HERE / f"{part}_profiles.csv")]
-    cases = {name: settings for name, settings in globals()[part]().items() if name not in done}
-    with ProcessPoolExecutor(workers) as pool:
-        for future in as_completed(
-            [pool.submit(run_one, *item, part in FINAL_ONLY) for item in cases.items()]
-        ):
-            row, lines = future.result()
-            done[row["name"]] = row
-            profiles += lines
-            write(HERE / f"{part}.csv", list(row), [list(row.values()) for row in done.values()])
-            header = ["name", "t_star", "x_over_h0", "h_over_h0"]
-            write(HERE / f"{part}_profiles.csv", header, profiles)
-            hidden = ("settings", "x_99_curve")
-            print({key: value for key, value in row.items() if key not in hidden}, flush=True)
+def do_part(part, options):
+    """Run what is missing of one part, and add it to its tables; return a line for each run that failed."""
+    path, folder = options.tables / f"{part}.csv", options.out / part
+    rows, profiles, missing = [], [], []
+    for name, first, result, problem in run_settings(path, PARTS[part](), folder, options.workers):
+        if result is None:
+            missing.append(problem)
+            continue
+        rows.append(row_of(first, result, cost(folder / name)))
+        profiles += profile_rows(name, result, part in FINAL_ONLY)
+    if rows:
+        of_profiles = options.tables / f"{part}_profiles.csv"
+        write_table(of_profiles, [*read_table(of_profiles), *profiles])
+        add_rows(path, rows)
+    hidden = ("settings", "x_99_curve")
+    for row in rows:
+        print({key: value for key, value in row.items() if key not in hidden})
+    return missing
+
+
+def differences(options):
+    """Compare the tables with the data."""
+    compare(Folders(options.data, options.tables))
+
+
+PARTS = {part.__name__: part for part in (columns, volume_of_fluid, channel, plane)}
+STUDY = Study(
+    "comparison",
+    __doc__,
+    {part: partial(do_part, part) for part in PARTS} | {"differences": differences},
+    need_data=("differences",),
+    uses=(),
+)
+main = partial(call, STUDY)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    runs = ["columns", "volume_of_fluid", "channel", "plane"]
-    parser.add_argument("parts", nargs="+", choices=[*runs, "differences"])
-    parser.add_argument("--data", type=Path, required=True, help="folder of the published data")
-    parser.add_argument("--workers", type=int, default=2)
-    arguments = parser.parse_args()
-    for name in arguments.parts:
-        if name == "differences":
-            from differences import compare
-
-            compare(arguments.data)
-        else:
-            run_part(name, arguments.workers)
+    sys.exit(main())

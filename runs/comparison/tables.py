@@ -1,23 +1,52 @@
-"""Reading and writing the tables of the comparison: csv files beside this one, and those of the data."""
+"""Profiles and rows of the comparison, from the tables of the study and those of the data."""
 
-import csv
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-HERE = Path(__file__).parent
+from fvcollapse.errors import InputError
+from runs.table import read_table, write_table
+
 AT = np.linspace(0.0, 6.0, 2401)  # distances from the symmetry plane, in column heights
 PROFILE_HEADER = ("t_star", "x_over_h0", "h_over_h0")
 
 
-def computed_profile(part, name, t_star):
+class Folders(NamedTuple):
+    """Where the published data and the tables of the study are."""
+
+    data: Path
+    tables: Path
+
+    def computed(self, part):
+        """Rows of the table of a part.
+
+        Raises
+        ------
+        InputError
+            There are none.
+        """
+        path = self.tables / f"{part}.csv"
+        rows = read_table(path)
+        if not rows:
+            raise InputError(path, "file", "no such table", f"the part {part} first")
+        return rows
+
+    def write(self, name, columns, rows):
+        """Write a table of rows that are sequences."""
+        write_table(
+            self.tables / name, [dict(zip(columns, row, strict=True)) for row in rows], columns
+        )
+
+
+def computed_profile(of, part, name, t_star):
     """A computed profile at the distances AT."""
-    return np.interp(AT, *profile(part, name, t_star), right=0.0)
+    return np.interp(AT, *profile(of, part, name, t_star), right=0.0)
 
 
-def profile(part, name, t_star=None):
+def profile(of, part, name, t_star=None):
     """Distances and heights of one computed profile; the last one without a time."""
-    rows = [row for row in read(HERE / f"{part}_profiles.csv") if row["name"] == name]
+    rows = [row for row in of.computed(f"{part}_profiles") if row["name"] == name]
     times = sorted({float(row["t_star"]) for row in rows})
     wanted = times[-1] if t_star is None else min(times, key=lambda time: abs(time - t_star))
     if t_star is not None and abs(wanted - t_star) > 0.01:
@@ -55,19 +84,3 @@ def line(comparison, quantity, at, data, uncertainty, computed):
         round(float(difference / data), 4),
         "" if uncertainty is None else round(float(difference / uncertainty), 2),
     )
-
-
-def read(path):
-    """Rows of a table as dictionaries; none if it is missing."""
-    if not path.exists():
-        return []
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-def write(path, header, rows):
-    """Write a table."""
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)

@@ -1,21 +1,15 @@
 """Volume against time with dilatancy, at 22 degrees in channels of 10 and 20 cm, beside the paper's curves.
 
-    python -m runs.effects.dilatancy [--workers 2] [--cell-size 0.006]
-
-The experiments of Martin et al. (2017) swell by about 3 % (w = 10 cm) and 10 % (20 cm) and come back to about
-the volume of the start. Writes runs/effects/dilatancy.csv; runs are kept in the cache of runs.
+The part `dilatancy` of the study of the effects. The experiments of Martin et al. (2017) swell by about 3 %
+(w = 10 cm) and 10 % (20 cm) and come back to about the volume of the start.
 """
-
-import argparse
-from pathlib import Path
 
 import numpy as np
 
-from fvcollapse.cache import RunCache, default_folder
 from fvcollapse.case import Case
-from runs.paper import tables
+from runs.study import run_cached
+from runs.table import write_table
 
-HERE = Path(__file__).parent
 WIDTHS = (0.10, 0.20)  # m
 SETS = {  # K, nu_eq(0), slope, nu_0
     "literature": (4.0, 0.60, 0.15, 0.62),
@@ -26,25 +20,16 @@ SETS = {  # K, nu_eq(0), slope, nu_0
 KEYS = ("dilatancy_factor", "solid_fraction_critical", "solid_fraction_slope", "solid_fraction_0")
 
 
-def main():
+def dilatancy(options):
     """Run all of them and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--cell-size", type=float, default=0.006, help="m")
-    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
-    parser.add_argument("--out", type=Path, default=HERE / "dilatancy.csv")
-    arguments = parser.parse_args()
     cases = {
-        (name, width): collapse(width, values, arguments.cell_size)
+        (name, width): collapse(width, values, options.cell_size)
         for name, values in SETS.items()
         for width in WIDTHS
     }
-    cache = RunCache(arguments.cache or default_folder())
-    runs = cache.run_all(cases, arguments.workers, quiet=False)
-    for label, error in runs.failures.items():
-        raise SystemExit(f"{label}: {error}")
-    rows = [row(name, width, runs.results[name, width]) for name, width in cases]
-    tables.write(arguments.out, tuple(rows[0]), rows)
+    results = run_cached(cases, options)
+    rows = [row(name, width, results[name, width]) for name, width in cases]
+    write_table(options.tables / "dilatancy.csv", rows)
     for each in rows:
         print("  ".join(f"{key} {value}" for key, value in each.items()))
 
@@ -77,7 +62,3 @@ def row(name, width, result):
         "capped_steps": int(np.sum(result.steps["capped"])),
         "cell_size_m": result.case.grid.cell_size,
     }
-
-
-if __name__ == "__main__":
-    main()

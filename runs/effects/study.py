@@ -1,38 +1,36 @@
 """What each effect does to a collapse: three strengths, three slopes, w = 10 cm, nothing else on.
 
-    python -m runs.effects.study [--workers 2] [--data out/effects] [--cell-size 0.006]
+    python -m runs.effects.study catalogue dilatancy [--workers 2] [--cell-size 0.006]
 
-A strength is a quantile of the physical prior (`fvcollapse.effects`), of all parameters together,
-counted from the end where the effect is weak. Every effect of the catalogue is run in each of its
-variants; what is only seen of a flow needs no run of its own. Each run goes into its own folder
-below --data: what is finished there is not run again and what was interrupted continues; give
-another folder after a change of the solver. At the end `runs/effects/effects.csv` (numbers) and
-`curves.csv` (fronts, final profiles) are written, and the figures `plots/figures/effects_*` drawn.
+    catalogue   every effect in each of its variants: effects.csv (numbers), curves.csv (fronts, final profiles);
+                the figures follow from the tables: python -m plots.effects
+    dilatancy   volume against time in two channels: dilatancy.csv
+
+A strength is a quantile of the physical prior (`fvcollapse.effects`), of all parameters together, counted
+from the end where the effect is weak. What is only seen of a flow needs no run of its own. The runs of the
+catalogue stay below --out; give another folder after a change of the solver.
 """
 
-import argparse
 import sys
-from pathlib import Path
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse import observe, open_result
+from fvcollapse import observe
 from fvcollapse.case import Case
 from fvcollapse.effects import CATALOGUE, with_effects
-from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.observation import flow_case
-from runs.paper import tables
-from runs.paper.extract import Curve
-from runs.paper.study import compute
+from runs.effects.dilatancy import dilatancy
+from runs.study import Study, finished_run, run_in_folders
+from runs.study import main as call
+from runs.table import CURVE, CURVES, Curve, curve_row, write_table
 
-HERE = Path(__file__).parent
-NUMBERS, CURVES = "effects.csv", "curves.csv"
+NUMBERS = "effects.csv"
 SLOPES = (0, 16, 22)  # deg
 STRENGTHS = {"weak": 0.15, "middle": 0.5, "strong": 0.9}
 BASELINE = "none"
 MEMBER = ("effect", "variant", "strength", "slope_deg")
-CURVE_HEAD = (*MEMBER, *tables.HEAD[tables.HEAD.index("quantity") :])
 FRONT_STEP, PROFILE_STEP = 0.02, 0.01  # s, m
 
 
@@ -53,45 +51,12 @@ class Member(NamedTuple):
         return "_".join(word for word in words if word)
 
 
-def main(argv=None):
-    """Run the study; return the exit status: 0 done, 1 some run failed, 2 bad input, 130 stopped."""
-    try:
-        arguments = parse(argv)
-        wanted = members(arguments.cell_size)
-        runs = shared_runs(wanted)
-        cases = {name: (case,) for name, case in runs.values()}
-        compute(cases, arguments.data, arguments.workers)
-        missing = write_tables(wanted, runs, arguments.data, arguments.tables)
-        if not arguments.no_figures:
-            from plots import effects
-
-            effects.main(arguments.tables, arguments.figures or effects.FIGURES)
-    except FvcollapseError as error:
-        print(error, file=sys.stderr)
-        return error.exit_status
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on", file=sys.stderr)
-        return 130
-    for line in missing:
-        print(line, file=sys.stderr)
-    return 1 if missing else 0
-
-
-def parse(argv):
-    """The arguments, checked."""
-    parser = argparse.ArgumentParser(
-        prog="python -m runs.effects.study", description=__doc__.split("\n")[0]
-    )
-    parser.add_argument("--workers", type=int, default=2, help="processes; default 2")
-    parser.add_argument("--data", type=Path, default=Path("out/effects"), help="folder of the runs")
-    parser.add_argument("--cell-size", type=float, default=0.006, help="cells [m]; default 0.006")
-    parser.add_argument("--tables", type=Path, default=HERE, help="folder of the tables")
-    parser.add_argument("--figures", type=Path, help="folder of the figures; plots/figures")
-    parser.add_argument("--no-figures", action="store_true", help="stop after the tables")
-    arguments = parser.parse_args(argv)
-    if arguments.workers < 1:
-        raise InputError("command line", "--workers", f"{arguments.workers}", "a whole number >= 1")
-    return arguments
+def catalogue(options):
+    """Run all members and write both tables; return a line for each run that is missing."""
+    wanted = members(options.cell_size)
+    runs = shared_runs(wanted)
+    run_in_folders({options.out / name: case for name, case in runs.values()}, options.workers)
+    return write_tables(wanted, runs, options.out, options.tables)
 
 
 # -- which runs ----------------------------------------------------------------------------------
@@ -150,13 +115,9 @@ def write_tables(wanted, runs, data, folder):
     missing, numbers, curves, base_cost = [], [], [], {}
     for member in wanted:
         place = data / runs[with_effects(flow_case(member.case))][0]
-        try:
-            result = open_result(place)
-        except InputError as error:
-            missing.append(str(error))
-            continue
-        if not result.complete:
-            missing.append(f"{place}: stopped at t = {result.time[-1]:.3f} s, see its run.log")
+        result, problem = finished_run(place)
+        if result is None:
+            missing.append(problem)
             continue
         spent = run_time(result)
         base_cost.setdefault(member.slope, spent)  # the baselines come first
@@ -165,10 +126,10 @@ def write_tables(wanted, runs, data, folder):
         numbers.append(
             first | scalars(member, result, seen) | {"cost_factor": spent / base_cost[member.slope]}
         )
-        curves += [tables.curve_row(first, curve) for curve in curves_of(seen)]
+        curves += [curve_row(first, curve) for curve in curves_of(seen)]
     if numbers:
-        tables.write(folder / NUMBERS, tuple(numbers[0]), numbers)
-        tables.write(folder / CURVES, CURVE_HEAD, curves)
+        write_table(folder / NUMBERS, numbers)
+        write_table(folder / CURVES, curves, (*MEMBER, *CURVE))
     return missing
 
 
@@ -182,6 +143,7 @@ def scalars(member, result, seen):
     volume = result.relative_volume
     values = {key: value for key, value in member.keys.items() if not isinstance(value, str)}
     return {
+        "quantile": STRENGTHS.get(member.strength),
         "parameters": " ".join(f"{key}={value:.4g}" for key, value in values.items()),
         "cell_size_mm": 1e3 * member.case.grid.cell_size,
         "runout_m": seen.scalars["runout"],
@@ -205,6 +167,10 @@ def curves_of(seen):
         Curve("front_m", np.nan, np.nan, "t_s", 0.0, FRONT_STEP, front, 4),
         Curve("thickness_m", last[-1, 0], np.nan, "x_m", 0.0, PROFILE_STEP, h[: len(x)], 4),
     )
+
+
+STUDY = Study("effects", __doc__, {"catalogue": catalogue, "dilatancy": dilatancy}, cell_size=0.006)
+main = partial(call, STUDY)
 
 
 if __name__ == "__main__":

@@ -1,22 +1,17 @@
-"""Published measurements as experiment folders.
+"""Published measurements as experiment folders: the part `convert` of the study.
 
-    python runs/experiments/convert.py --data FOLDER
-
-FOLDER holds the published data (lab/mangeney2010, lab/lajeunesse2005_digitised). Writes
-runs/experiments/mangeney2010_0deg, runs/experiments/lajeunesse2005/a<aspect ratio>, and, from what one
-paper says of its slopes in words, runs/experiments/martin2017/<slope>_<width>; `--out` takes them
-elsewhere.
+--data is the folder of the published data (lab/mangeney2010, lab/lajeunesse2005_digitised). Writes
+mangeney2010_0deg, lajeunesse2005/a<aspect ratio>, and, from what one paper says of its slopes in words,
+martin2017/<slope>_<width> into --tables.
 """
 
-import argparse
-import csv
 import math
-from pathlib import Path
 
 from fvcollapse.curves import Scalar, scalars_text
 from fvcollapse.digitised import settings_text
 from fvcollapse.experiment import SETTINGS, load_experiment
 from fvcollapse.files import write_atomic
+from runs.table import read_table
 
 READ_OFF = 0.005  # m; stated uncertainty of what was read off the paper
 PIXELS = 0.015  # relative reading error of a digitised point
@@ -41,20 +36,17 @@ SALTATION = 0.02  # m; error of the runout stated there
 LAST_GRAINS = 0.6
 
 
-def main():
-    """Convert what is asked for."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder of the published data")
-    parser.add_argument("--out", type=Path, default=Path(__file__).parent)
-    arguments = parser.parse_args()
-    mangeney(arguments.data / "lab" / "mangeney2010", arguments.out)
-    lajeunesse(arguments.data / "lab" / "lajeunesse2005_digitised", arguments.out)
-    martin(arguments.out)
+def convert(options):
+    """Convert everything."""
+    lab = options.data / "lab"
+    mangeney(lab / "mangeney2010", options.tables)
+    lajeunesse(lab / "lajeunesse2005_digitised", options.tables)
+    martin(options.tables)
 
 
 def mangeney(data, out):
     """The collapse on the horizontal: runout and final height."""
-    given = {row["quantity"]: row["value"] for row in table(data / "theta0_rigid.csv")}
+    given = {row["quantity"]: row["value"] for row in read_table(data / "theta0_rigid.csv")}
     height, length = float(given["h0"]), float(given["r0"])
     runout = length + float(given["r_f (runout measured from gate)"])
     settings = {
@@ -156,15 +148,9 @@ def channel_column(out, aspect, runout_ratio, height_ratio):
     write(out / "lajeunesse2005" / f"a{aspect:.2f}", settings, values)
 
 
-def table(path):
-    """Rows of a CSV file as dictionaries."""
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def points(path, name):
     """{aspect ratio: value} of a digitised figure."""
-    return {float(row["a_H0_over_L0"]): float(row[name]) for row in table(path)}
+    return {float(row["a_H0_over_L0"]): float(row[name]) for row in read_table(path)}
 
 
 def measured(**pairs):
@@ -191,7 +177,3 @@ def stated_lines(text):
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     sections = "\n".join(lines).strip().split("\n\n")
     return "\n\n".join(section for section in sections if "=" in section) + "\n"
-
-
-if __name__ == "__main__":
-    main()

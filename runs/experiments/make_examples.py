@@ -1,14 +1,11 @@
 """Three synthetic collapses with a hidden cause, small, so that `fvcollapse diagnose` runs out of the box.
 
-    python runs/experiments/make_examples.py
-
-Two minutes of computing per run. The truth is a run of the solver on other cells than a diagnosis uses, with
-friction on the lateral walls and a material that is not quite the stated one, filmed with the errors of a
-laboratory (scale, origin, clock, drifts, outliers, missing frames). Writes
-runs/experiments/example_<slope>_<width>; `--out` takes them elsewhere, `--cell-size` makes a rough copy.
+The part `examples` of the study; two minutes of computing per run. The truth is a run of the solver on other
+cells than a diagnosis uses, with friction on the lateral walls and a material that is not quite the stated one,
+filmed with the errors of a laboratory (scale, origin, clock, drifts, outliers, missing frames). Writes
+example_<slope>_<width> into --tables; --cell-size makes a rough copy.
 """
 
-import argparse
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +13,9 @@ import numpy as np
 from fvcollapse import load_experiment, observe
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
-from fvcollapse.cache import RunCache, default_folder
 from fvcollapse.case import Case
 from fvcollapse.files import write_atomic
+from runs.study import run_cached
 
 CELL_SIZE = 0.005  # m
 EXAMPLES = {  # slope [deg], width [m], last frame [s], last place [m]
@@ -87,23 +84,16 @@ mu_2 = {true_mu_2}
 """
 
 
-def main():
+def examples(options):
     """Make all of them."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path(__file__).parent)
-    parser.add_argument("--cell-size", type=float, default=CELL_SIZE, help="of the truth [m]")
-    parser.add_argument("--workers", type=int, default=1)
-    arguments = parser.parse_args()
+    size = options.cell_size or CELL_SIZE
     for name in EXAMPLES:
-        write_settings(arguments.out / name, name, arguments.cell_size)
-    cases = {name: truth(name, arguments.cell_size) for name in EXAMPLES}
-    cache = RunCache(default_folder())
-    runs = cache.run_all(cases, arguments.workers, quiet=False)
-    for name, error in runs.failures.items():
-        raise SystemExit(f"{name}: {error}")
+        write_settings(options.tables / name, name, size)
+    results = run_cached({name: truth(name, size) for name in EXAMPLES}, options)
     for number, name in enumerate(EXAMPLES):
-        write_film(arguments.out / name, name, runs.results[name], SEED + number)
-        print(arguments.out / name, f"{len(load_experiment(arguments.out / name).curves)} curves")
+        folder = options.tables / name
+        write_film(folder, name, results[name], SEED + number)
+        print(folder, f"{len(load_experiment(folder).curves)} curves")
 
 
 def truth(name, cell_size):
@@ -159,7 +149,3 @@ def thinned(text, name):
         if time in kept and place % EVERY_PLACE.get(name, 1) == 0:
             rows.append(line)
     return "\n".join([header, *rows]) + "\n"
-
-
-if __name__ == "__main__":
-    main()

@@ -5,14 +5,13 @@ another. Units are in the names of the columns.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from fvcollapse.observables import SPEED_STATIC, thickness
 from fvcollapse.step.rheology import material
 from runs.paper import measures, pressure
-from runs.paper.tables import FINE
+from runs.table import FINE, Curve
 
 COARSE_STEP = 0.05  # s, of the curves that no figure shows in detail
 PROFILE_STEP = 0.010  # m
@@ -28,19 +27,6 @@ THICK = 0.010  # m
 BAND_THICKNESS, BAND_CELLS = 0.025, 4  # columns whose flowing part is at least that thick
 BAND_LENGTH = 0.012  # m
 WINDOW = (0.25, 0.55, 0.08)  # m; part of the shear-rate field that is kept: x from, x to, z to
-
-
-class Curve(NamedTuple):
-    """Equidistant values along t, x or z; `t` and `x` say when and where, NaN if it has none."""
-
-    quantity: str
-    t: float
-    x: float
-    axis: str
-    start: float
-    step: float
-    values: np.ndarray
-    digits: int
 
 
 # -- numbers -------------------------------------------------------------------------------------

@@ -10,15 +10,16 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks, savgol_filter
 
+from runs import table
+from runs.table import EARLIEST
+
 STEP = 0.01  # s, spacing of the curves in the tables
-VELOCITY_WINDOW = 9  # points: 80 ms, second order, so that a peak keeps its height
 DECELERATION_WINDOW = 15  # points: 140 ms
 PEAK_LEAST = 0.1  # of the peak; a plateau is at least that fast
 PEAK_MOST = 0.7  # of the peak; a plateau comes after a fast deceleration to this
 STEADY = 1.0 / 3.0  # of the mean deceleration; a plateau decelerates less
 PLATEAU_LEAST = 0.15  # s; a shorter slow phase is none
 STOPPED = 0.02  # m/s; a slower front has stopped
-EARLIEST = 8  # points; before 80 ms the front is a vertical wall, read to a cell only
 FLOW_LEAST = 1.0e-3  # m; a thinner flowing layer is none
 ROUGH_LENGTH = 0.15  # m; undulations shorter than about this are roughness
 BAND_PROMINENCE = 0.2  # of the largest shear rate of its column; lesser maxima are no bands
@@ -29,8 +30,7 @@ BAND_PROMINENCE = 0.2  # of the largest shear rate of its column; lesser maxima 
 
 def front_velocity(front, step=STEP):
     """Slope of a front curve by local parabolas over 80 ms, (n,), m/s; no less than zero."""
-    slope = savgol_filter(front, VELOCITY_WINDOW, 2, deriv=1, delta=step)
-    return np.maximum(slope, 0.0)
+    return table.front_velocity(front, step)
 
 
 def peak_index(velocity):

@@ -7,8 +7,14 @@ statements.md (one row per statement) beside them. No verdict is written by hand
 numbers, their grid uncertainty and a criterion, see `verdicts.py`.
 """
 
-from runs.paper import statements_open, statements_viscosity, statements_walls, tables
+from pathlib import Path
+
+from fvcollapse.files import write_atomic
+from runs.paper import statements_open, statements_viscosity, statements_walls
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED
+from runs.table import FINE, MissingRun, Tables, write_table
+
+HERE = Path(__file__).parent
 
 CLAIMS = (*statements_walls.CLAIMS, *statements_viscosity.CLAIMS, *statements_open.CLAIMS)
 HEAD = (
@@ -103,22 +109,22 @@ def table(of, title, head, rows):
     """A table of numbers without verdicts; one line where a run is missing."""
     try:
         lines = rows(of)
-    except tables.MissingRun as missing:
+    except MissingRun as missing:
         return f"\n## {title}\n\nNot run: {missing}\n"
     text = f"\n## {title}\n\n| " + " | ".join(head) + " |\n" + "|---" * len(head) + "|\n"
     return text + "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
-def main(folder=tables.HERE):
+def main(folder=HERE):
     """Write both files and print how many statements were confirmed."""
-    of = tables.Tables(folder)
+    of = Tables(folder)
     statements = all_statements(of)
-    sizes = [of.scalars.get((statements_walls.muI(22, "w10"), r), {}) for r in (1.0, tables.FINE)]
+    sizes = [of.scalars.get((statements_walls.muI(22, "w10"), r), {}) for r in (1.0, FINE)]
     coarse, fine = (row.get("cell_size_mm", float("nan")) for row in sizes)
-    tables.write(of.folder / "statements.csv", HEAD, clause_rows(statements))
+    write_table(of.folder / "statements.csv", clause_rows(statements), HEAD)
     text = markdown(statements, coarse, fine)
     text += "".join(table(of, *about) for about in statements_open.TABLES)
-    tables.write_atomic(of.folder / "statements.md", text.encode())
+    write_atomic(of.folder / "statements.md", text.encode())
     print(next(line for line in text.splitlines() if " confirmed, " in line))
 
 

@@ -8,7 +8,7 @@ one is not, and cannot be told otherwise, nor without any clause.
 import math
 from typing import NamedTuple
 
-from runs.paper.tables import MissingRun
+from runs.table import MissingRun
 
 FEW = 6  # clauses that are listed one by one
 CONFIRMED, REFUTED, OPEN = "confirmed", "not confirmed", "cannot tell"

@@ -11,10 +11,12 @@ The baseline is the model of Martin et al. (2017) without lateral friction (`bas
     power   a collapse at 22 degrees made with walls (the paper's mu_wall, other cells, noise), measured
             less and less well: which measurement decides? power.csv
 
-Runs are kept in the cache of runs: an interrupted part continues with the same command.
+Pages and films go below --out. Runs are kept in the cache of runs: an interrupted part continues with the same
+command.
 """
 
-import argparse
+import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +24,12 @@ import numpy as np
 from fvcollapse import diagnose, load_case, load_experiment, observe
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
-from fvcollapse.cache import RunCache, default_folder
 from fvcollapse.curves import Scalar, scalars_text
 from fvcollapse.files import write_atomic
 from runs.experiments.convert import LAST_GRAINS, MARTIN, SALTATION
-from runs.paper import tables
+from runs.study import Study, run_cached
+from runs.study import main as call
+from runs.table import write_table
 
 HERE = Path(__file__).parent
 EXPERIMENTS = HERE.parent / "experiments"
@@ -74,21 +77,6 @@ speed = 2.3
 """
 
 
-def main():
-    """Do the parts that are asked for."""
-    parts = {"facts": facts, "power": power}
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="+", choices=parts)
-    parser.add_argument("--out", type=Path, default=Path("out/paper_case"), help="pages, films")
-    parser.add_argument("--tables", type=Path, default=HERE, help="small results")
-    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
-    arguments = parser.parse_args()
-    for part in arguments.parts:
-        parts[part](arguments)
-
-
 def diagnosed(experiments, out, arguments):
     """The `Report` of experiments against the baseline without walls."""
     return diagnose(
@@ -123,7 +111,7 @@ def power(arguments):
         report = diagnosed([experiment], folder / name / "diagnosis", arguments)
         rows.append(row_of(title, report))
         print(rows[-1])
-    tables.write(arguments.tables / "power.csv", tuple(rows[0]), rows)
+    write_table(arguments.tables / "power.csv", rows)
 
 
 def filmed(arguments):
@@ -140,11 +128,8 @@ def filmed(arguments):
             "time.end": 2.6,
         },
     )
-    cache = RunCache(arguments.cache or default_folder())
-    runs = cache.run_all({"truth": case}, arguments.workers, quiet=False)
-    for error in runs.failures.values():
-        raise SystemExit(f"truth: {error}")
-    seen = observe(runs.results["truth"], front_thickness=0.005)
+    result = run_cached({"truth": case}, arguments)["truth"]
+    seen = observe(result, front_thickness=0.005)
     texts = film(View.of(seen), END, REACH, ERRORS, np.random.default_rng(SEED))
     return seen.scalars, texts
 
@@ -194,5 +179,9 @@ def parameter_text(candidate):
     return f"{mu_wall.value:.2f} ({mu_wall.low:.2f}-{mu_wall.high:.2f})"
 
 
+STUDY = Study("paper_case", __doc__, {"facts": facts, "power": power})
+main = partial(call, STUDY)
+
+
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

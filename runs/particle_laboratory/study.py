@@ -1,6 +1,6 @@
 """Collapses computed grain by grain, as a laboratory whose hidden causes are known for certain.
 
-    python runs/particle_laboratory/study.py validation discrepancy labelled --data FOLDER
+    python -m runs.particle_laboratory.study validation discrepancy labelled --data FOLDER
 
 FOLDER holds `labelled` and `blind` experiment folders; `baseline.toml` is what is believed, nothing in it is
 tuned to a collapse. Parts:
@@ -10,13 +10,14 @@ tuned to a collapse. Parts:
     labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
     blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
 
-Runs are kept in the cache of runs: an interrupted part continues with the same command.
+The pages of the reports, with their figures, go below --out. Runs are kept in the cache of runs: an
+interrupted part continues with the same command.
 """
 
-import argparse
-import csv
 import json
 import shutil
+import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +27,11 @@ from fvcollapse.align import align
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.report import FILE_NAME
-from fvcollapse.diagnosis.report_page import PAGE
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files import write_atomic
+from runs.study import Study, run_cached
+from runs.study import main as call
+from runs.table import write_table
 
 HERE = Path(__file__).parent
 BASELINE = HERE / "baseline.toml"
@@ -43,27 +46,6 @@ LAST_READINGS = 5  # of the front, whose mean is the front at rest: it is jagged
 PROFILES_SHOWN = 6  # times in curves.csv
 
 
-def main():
-    """Do the parts that are asked for."""
-    parts = {
-        "validation": validation,
-        "discrepancy": discrepancy,
-        "labelled": labelled,
-        "blind": blind,
-    }
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="+", choices=parts)
-    parser.add_argument("--data", type=Path, required=True, help="folder of labelled and blind")
-    parser.add_argument("--out", type=Path, default=HERE, help="folder of tables and reports")
-    parser.add_argument("--cache", type=Path, help="folder of the cache of runs")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--cell-size", type=float, help="of the diagnosis [m]; default height / 12")
-    arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    for part in arguments.parts:
-        parts[part](arguments)
-
-
 def controls(data):
     """The experiments in which nothing is hidden."""
     return [load_experiment(data / "labelled" / name) for name in CONTROLS]
@@ -74,26 +56,21 @@ def controls(data):
 
 def validation(arguments):
     """Compare the controls with the baseline; nothing is tuned."""
-    base, runner = load_case(BASELINE), new_runner(arguments)
-    experiments = controls(arguments.data)
+    base, experiments = load_case(BASELINE), controls(arguments.data)
     wanted = {
         (one.name, size): (one, one.case(base).replace(**{"grid.cell_size": size}))
         for size in reversed(CELL_SIZES)
         for one in experiments
     }
-    results = runner.cache.run_all(
-        {label: case for label, (_, case) in wanted.items()}, arguments.workers, quiet=False
-    )
-    for label, error in results.failures.items():
-        raise SystemExit(f"{label}: {error}")
+    results = run_cached({label: case for label, (_, case) in wanted.items()}, arguments)
     rows, curves = [], []
     for one in experiments:
         for size in CELL_SIZES:
-            pairs = align(observe(results.results[one.name, size], one), one)
+            pairs = align(observe(results[one.name, size], one), one)
             rows.append({"experiment": one.name, "cell_size": size} | measures(pairs))
         curves += curve_rows(one.name, pairs)
-    write_table(arguments.out / "validation.csv", rows)
-    write_table(arguments.out / "curves.csv", curves)
+    write_table(arguments.tables / "validation.csv", rows)
+    write_table(arguments.tables / "curves.csv", curves)
     for row in rows:
         print("  ".join(f"{name} {value}" for name, value in row.items()))
 
@@ -179,11 +156,7 @@ def discrepancy(arguments):
                 for name, factor in found.discrepancy.factors.items():
                     row[f"factor_{name}"] = round(factor, 2)
             rows.append(row)
-    columns = dict.fromkeys(name for row in rows for name in row)
-    write_table(
-        arguments.out / "discrepancy.csv",
-        [{name: row.get(name, "") for name in columns} for row in rows],
-    )
+    write_table(arguments.tables / "discrepancy.csv", rows)
     for row in rows:
         print("  ".join(f"{name} {value}" for name, value in row.items()))
 
@@ -194,35 +167,35 @@ def discrepancy(arguments):
 def labelled(arguments):
     """Diagnose the cases whose cause is told."""
     folders = [arguments.data / "labelled" / name for name in LABELLED]
-    answers = diagnoses(folders, arguments.out / "labelled", arguments)
-    write_answers(arguments.out / "labelled" / "answers.json", answers)
+    answers = diagnoses(folders, "labelled", arguments)
+    write_answers(arguments.tables / "labelled" / "answers.json", answers)
 
 
 def blind(arguments):
     """Diagnose the cases whose cause is withheld."""
     folders = sorted(path for path in (arguments.data / "blind").iterdir() if path.is_dir())
-    answers = diagnoses(folders, arguments.out / "blind", arguments)
-    write_answers(arguments.out / "answers.json", answers)
+    answers = diagnoses(folders, "blind", arguments)
+    write_answers(arguments.tables / "answers.json", answers)
 
 
-def diagnoses(folders, out, arguments):
-    """{case: answer}; the report of each goes into a folder of its own."""
+def diagnoses(folders, part, arguments):
+    """{case: answer}; the report of each goes into a folder of its own, the page stays below --out."""
     answers, taught = {}, controls(arguments.data)
     for folder in folders:
-        scratch = out / folder.name / "full"
+        page = arguments.out / part / folder.name
         report = diagnose(
             [folder],
             BASELINE,
             workers=arguments.workers,
-            folder=scratch,
+            folder=page,
             cell_size=arguments.cell_size,
             controls=taught,
             cache=arguments.cache,
             quiet=False,
         )
-        for name in (FILE_NAME, PAGE):  # the page holds its figures
-            shutil.move(scratch / name, out / folder.name / name)
-        shutil.rmtree(scratch)
+        target = arguments.tables / part / folder.name / FILE_NAME
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(page / FILE_NAME, target)
         found = report.verdict
         answers[folder.name] = {
             "verdict": found.kind,
@@ -245,18 +218,24 @@ def new_runner(arguments):
 
 def write_answers(path, answers):
     """Write answers as `fvcollapse blind score` reads them."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, (json.dumps(answers, indent=1) + "\n").encode())
     print(path)
 
 
-def write_table(path, rows):
-    """Write rows as CSV."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(path)
+STUDY = Study(
+    "particle_laboratory",
+    __doc__,
+    {
+        "validation": validation,
+        "discrepancy": discrepancy,
+        "labelled": labelled,
+        "blind": blind,
+    },
+    need_data=("validation", "discrepancy", "labelled", "blind"),
+)
+main = partial(call, STUDY)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

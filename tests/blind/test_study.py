@@ -1,16 +1,18 @@
 """The study of the blind check: steps in their order, and answers that are given once."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from report_example import example
 
+from fvcollapse.diagnosis.verdict import VerdictModel, to_json
 from runs.blind import study
 from runs.blind.study import STEPS, main
 
 
 def test_the_steps_are_those_of_an_honest_check():
-    assert list(STEPS) == ["training", "fit", "make", "answer", "reduce", "score"]
+    assert list(STEPS) == ["training", "fit", "make", "answer", "reduce", "score", "restamp"]
 
 
 @pytest.mark.parametrize(
@@ -50,3 +52,22 @@ def test_the_last_experiment_of_a_case_is_held_out(tmp_path, monkeypatch):
     found = json.loads((tmp_path / "reductions.json").read_text())
     assert set(found) == {"case_001"}
     assert set(found["case_001"]["reduction"]) == {*("predicted", "actual", "winner", "runner_up")}
+
+
+def test_a_layer_is_restamped_with_a_reason(tmp_path, capsys):
+    layer = tmp_path / "layer.json"
+    model = replace(VerdictModel.load(), solver="0.1.0+0123456789ab", about={"cases": 3})
+    model.save(layer)
+    text = layer.read_text()
+    call = ["restamp", "--layer", str(layer), "--note"]
+    assert main([*call, "  "]) == 2
+    assert "--note: found none; allowed: why both solvers give the same numbers" in (
+        capsys.readouterr().err
+    )
+    assert layer.read_text() == text
+    assert main([*call, "only comments differ"]) == 0
+    again = VerdictModel.load(layer)
+    assert again.is_of_this_solver
+    note = {"from": "0.1.0+0123456789ab", "note": "only comments differ"}
+    assert again.about == {"cases": 3, "restamped": [note]}
+    assert to_json(replace(again, solver=model.solver, about=model.about)) == text

@@ -1,5 +1,7 @@
 """From runs and measurements to gap map and evidence, on collapses by formula."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from fake_points import fake_points
@@ -9,6 +11,7 @@ from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse, sensitivities, set_up_covariance
 from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import discrepancy_kernel
+from fvcollapse.diagnosis.diagnose import with_known
 from fvcollapse.errors import InputError
 
 EFFECTS = ("lateral_friction", "gate", "cohesion", "bed_friction")
@@ -86,6 +89,25 @@ def test_separability_and_null_test_name_effects(walls):
     assert set(walls.separability.names) == set(EFFECTS)
     assert sum(walls.null_wins.values()) == pytest.approx(1.0)
     assert walls.null_wins.get("gate", 0.0) < 0.2
+
+
+def test_the_evidence_of_some_effects_is_that_without_the_others(walls):
+    again = walls.evidence_of(EFFECTS)
+    assert again.log_evidence() == walls.evidence.log_evidence()
+    assert again.balance == walls.evidence.balance
+    layer = SimpleNamespace(classes=EFFECTS[1:], covers=lambda evidence: False)
+    both, known = with_known(walls, layer)  # the layer does not know lateral friction
+    single = {name for name in known.hypotheses if "+" not in name}
+    assert single == {*EFFECTS[1:], "none", "unknown"}
+    pairs = set(known.hypotheses) - single
+    assert len(pairs) == 2  # of the best effect that it knows
+    assert set(both.evidence.hypotheses) == set(walls.evidence.hypotheses) | pairs
+    for name in single:
+        first, second = walls.evidence.hypotheses[name], known.hypotheses[name]
+        assert second.log_evidence == pytest.approx(first.log_evidence)
+        assert second.residual_outside > first.residual_outside  # fewer responses span less
+    layer = SimpleNamespace(classes=EFFECTS, covers=lambda evidence: True)
+    assert with_known(walls, layer) == (walls, None)
 
 
 def test_the_same_data_give_the_same_answer(tmp_path, walls):

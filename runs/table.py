@@ -1,12 +1,13 @@
-"""The tables of the study: written by the study, read by the statements and by the figures.
+"""The tables of the studies: CSV files that the studies write, and that statements and figures read.
 
-A group has `scalars.csv`, one row per run, and `curves.csv`, one row per curve: equidistant values,
-separated by blanks, along `axis` from `start` by `step`. A front that has stopped is cut there and
-stays where it is. Its velocity is not in the tables: it follows from the front (`Tables.line` of
-`velocity_m_s`).
+Two kinds of tables are shared by several studies. `scalars.csv` has one row for each run. `curves.csv` has one
+row for each curve: equidistant values, separated by blanks, along `axis` from `start` by `step`. A front
+that has stopped is cut there and stays where it is. Its velocity is not in the tables: it follows from the
+front (`Tables.line` of `VELOCITY`).
 """
 
 import csv
+import io
 import json
 import math
 import operator
@@ -15,17 +16,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import savgol_filter
 
 from fvcollapse.files import write_atomic
-from runs.paper import measures
 
-HERE = Path(__file__).parent
-SCALARS, CURVES = "scalars.csv", "curves.csv"
+RUNS = Path(__file__).parent
+SCALARS, CURVES, LABELS = "scalars.csv", "curves.csv", "labels.csv"
 RUN = ("case", "refinement", "cell_size_mm")
-HEAD = (*RUN, "quantity", "t_s", "x_m", "axis", "start", "step", "values")
+CURVE = ("quantity", "t_s", "x_m", "axis", "start", "step", "values")
 FINE = 1.5  # refinement that gives the uncertainty of the tables
 SAFETY = 3.0  # of the difference of two grids, as in the grid convergence index of Roache (1994)
-CONVERGENCE = HERE.parent / "convergence"
+CONVERGENCE = RUNS / "convergence"
 WIDTHS = {"w10": "w10cm", "winf": "winf"}  # of the stored convergence studies
 STUDIED = {  # column of the tables: observable of these studies
     "runout_10mm_m": "runout_10mm",
@@ -37,6 +38,8 @@ STUDIED = {  # column of the tables: observable of these studies
     "arrest_s": "arrest_time",
 }
 VELOCITY = "velocity_m_s"
+VELOCITY_WINDOW = 9  # points: 80 ms, second order, so that a peak keeps its height
+EARLIEST = 8  # points; before 80 ms the front is a vertical wall, read to a cell only
 SAME_TIME = 0.011  # s; half the interval of the profiles, and a little
 
 
@@ -51,6 +54,22 @@ class Measured(NamedTuple):
     uncertainty: float = math.nan
 
 
+class Curve(NamedTuple):
+    """Equidistant values along t, x or z, (n,); `t` and `x` say when and where, NaN if it has none.
+
+    `digits`: decimals that are written; negative: that many significant digits.
+    """
+
+    quantity: str
+    t: float
+    x: float
+    axis: str
+    start: float
+    step: float
+    values: np.ndarray
+    digits: int
+
+
 class Line(NamedTuple):
     """A curve of the tables: abscissae and values, (n,) each."""
 
@@ -61,27 +80,42 @@ class Line(NamedTuple):
 # -- writing -------------------------------------------------------------------------------------
 
 
-def write(path, head, rows):
-    """Write a table as a whole, or not at all."""
-    lines = [",".join(head)]
-    lines += [",".join(quoted(row.get(name)) for name in head) for row in rows]
+def write_table(path, rows, columns=None):
+    """Write a table as a whole, or not at all, and make its folder.
+
+    Parameters
+    ----------
+    path : Path
+    rows : iterable of dict
+        Column -> value. Numbers are written to six digits; None, NaN and what is missing are empty cells.
+    columns : sequence of str, optional
+        Default: all columns of the rows, in the order in which they come up.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    rows = [{name: cell(value) for name, value in row.items()} for row in rows]
+    columns = columns or list(dict.fromkeys(name for row in rows for name in row))
+    stream = io.StringIO(newline="")
+    writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(path, ("\n".join(lines) + "\n").encode())
+    write_atomic(path, stream.getvalue().encode())
 
 
-def quoted(value):
-    """One cell: numbers to six digits, nothing for what does not exist."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+def cell(value):
+    """The text of one cell."""
+    if value is None or (isinstance(value, float | np.floating) and math.isnan(value)):
         return ""
-    if isinstance(value, float | np.floating):
-        return f"{value:.6g}"
-    text = str(value)
-    return f'"{text}"' if "," in text else text
+    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
 
 
-def curve_row(run, curve):
-    """A `Curve` of `extract` as a row, `run` being its first cells."""
-    return run | {
+def curve_row(first, curve):
+    """A `Curve` as a row, `first` being its first cells."""
+    return first | {
         "quantity": curve.quantity,
         "t_s": curve.t,
         "x_m": curve.x,
@@ -105,8 +139,51 @@ def number(value, digits):
 # -- reading -------------------------------------------------------------------------------------
 
 
+def read_table(path):
+    """The rows of a table as dictionaries of texts; [] if there is no such file."""
+    csv.field_size_limit(1_000_000)
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def to_float(text):
+    """A number, NaN for an empty cell."""
+    return float(text) if text not in ("", "-") else math.nan
+
+
+def as_line(row):
+    """The `Line` of a row of curves."""
+    values = np.array([to_float(text) for text in row["values"].split()])
+    at = float(row["start"]) + float(row["step"]) * np.arange(len(values))
+    return Line(at, values)
+
+
+def front_velocity(front, step):
+    """Slope of a front curve by local parabolas over 80 ms, (n,), m/s; no less than zero."""
+    slope = savgol_filter(front, VELOCITY_WINDOW, 2, deriv=1, delta=step)
+    return np.maximum(slope, 0.0)
+
+
+def velocity(front):
+    """The `Line` of the velocity of a front, from 80 ms up to where it is at rest."""
+    still = 10  # points; more than the window of the slope
+    position = np.concatenate([front.values, np.full(still, front.values[-1])])
+    step = front.at[1] - front.at[0]
+    at = np.concatenate([front.at, front.at[-1] + step * np.arange(1, still + 1)])
+    slope = front_velocity(position, step)
+    slope[:EARLIEST] = math.nan  # a vertical wall is read to a cell only
+    return Line(at, slope)
+
+
+def reference(case):
+    """The mu(I) case of the same slope and width."""
+    return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
+
+
 class Tables:
-    """All tables of the study under a folder.
+    """All `scalars.csv` and `curves.csv` below the folder of a study.
 
     Attributes
     ----------
@@ -116,14 +193,14 @@ class Tables:
         {(case, refinement, quantity): [row, …]}
     """
 
-    def __init__(self, folder=HERE):
+    def __init__(self, folder):
         self.folder, self.scalars, self.curves = Path(folder), {}, {}
         for path in sorted(self.folder.glob(f"*/{SCALARS}")):
-            for row in rows(path):
+            for row in read_table(path):
                 key = row.pop("case"), float(row.pop("refinement"))
                 self.scalars[key] = {name: to_float(text) for name, text in row.items()}
         for path in sorted(self.folder.glob(f"*/{CURVES}")):
-            for row in rows(path):
+            for row in read_table(path):
                 key = row["case"], float(row["refinement"]), row["quantity"]
                 self.curves.setdefault(key, []).append(row)
 
@@ -221,38 +298,3 @@ class Tables:
     def cell_size(self, case, refinement=1.0):
         """Cell size of a run [mm]."""
         return self.row(case, refinement)["cell_size_mm"]
-
-
-def reference(case):
-    """The mu(I) case of the same slope and width."""
-    return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
-
-
-def velocity(front):
-    """The `Line` of the velocity of a front, from 80 ms up to where it is at rest."""
-    still = 10  # points; more than the window of the slope
-    position = np.concatenate([front.values, np.full(still, front.values[-1])])
-    step = front.at[1] - front.at[0]
-    at = np.concatenate([front.at, front.at[-1] + step * np.arange(1, still + 1)])
-    slope = measures.front_velocity(position, step)
-    slope[: measures.EARLIEST] = math.nan  # a vertical wall is read to a cell only
-    return Line(at, slope)
-
-
-def as_line(row):
-    """Abscissae and values of a row."""
-    values = np.array([to_float(text) for text in row["values"].split()])
-    at = float(row["start"]) + float(row["step"]) * np.arange(len(values))
-    return Line(at, values)
-
-
-def rows(path):
-    """The rows of a table as dictionaries of texts."""
-    csv.field_size_limit(1_000_000)
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def to_float(text):
-    """A number, NaN for an empty cell."""
-    return float(text) if text not in ("", "-") else math.nan
