@@ -5,12 +5,12 @@ import re
 import tomllib
 from difflib import get_close_matches
 from functools import cache
-from pathlib import Path
 from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgspec
 
 from fvcollapse.errors import InputError
+from fvcollapse.regular_files import read_regular
 
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -54,7 +54,7 @@ class KeyInfo(NamedTuple):
 def read_text(path, kind, refuse=InputError):
     """Text of a file; a defect is one error of the type `refuse`, which asks for `kind`."""
     try:
-        return Path(path).read_bytes().decode("utf-8-sig")
+        return read_regular(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         found = f"a byte that is not UTF-8 at offset {error.start}"
         raise refuse(path, "file", found, "UTF-8 text") from None

@@ -14,7 +14,8 @@ from fvcollapse.case import parse_value
 from fvcollapse.case_keys import read_text, toml_value
 from fvcollapse.curves import FORMS, curve_text
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.experiment import SETTINGS, describe_keys, load_experiment, settings_from_table
+from fvcollapse.experiment import SETTINGS, load_experiment
+from fvcollapse.experiment_keys import describe_keys, settings_from_table
 from fvcollapse.files import write_atomic
 
 # (mark between the columns, None = blanks; decimal mark), less ambiguous ones first

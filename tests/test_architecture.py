@@ -14,12 +14,13 @@ PACKAGE = Path(fvcollapse.__file__).parent
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
-    "errors version",
+    "errors version regular_files plain_numbers",
     "case_keys",
     "case_rules case_effects",
     "effects",
     "case",
     "curves uncertainty",
+    "experiment_keys measured_files",
     "grid",
     "state",
     "step",
@@ -27,6 +28,7 @@ LAYERS = (
     "observation",
     "observables files fingerprint",
     "workers",
+    "plausibility",
     "experiment",
     "align digitised",
     "recorder",

@@ -14,7 +14,8 @@ from fvcollapse.align import align, on_points
 from fvcollapse.case import Case
 from fvcollapse.case_keys import key_table
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.experiment import CASE_KEYS, Settings, read_settings, strip_truth
+from fvcollapse.experiment import read_settings, strip_truth
+from fvcollapse.experiment_keys import CASE_KEYS, Settings
 from fvcollapse.uncertainty import DEFAULTS
 
 BARE = "[geometry]\nslope_angle_deg = 5\nheight_0 = 0.1\nlength_0 = 0.3\n"

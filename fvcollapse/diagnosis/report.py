@@ -16,6 +16,7 @@ import numpy as np
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files import write_atomic
+from fvcollapse.regular_files import read_regular
 
 FORMAT = "fvcollapse-report"
 FORMAT_VERSION = 1
@@ -495,7 +496,7 @@ def read_report(path):
     path = Path(path)
     path = path / FILE_NAME if path.is_dir() else path
     try:
-        report = msgspec.json.decode(path.read_bytes(), type=Report)
+        report = msgspec.json.decode(read_regular(path), type=Report)
     except OSError as error:
         problem = (error.strerror or str(error)).lower()
         raise InputError(path, "file", problem, "a report of fvcollapse diagnose") from None
