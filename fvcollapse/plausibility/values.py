@@ -33,6 +33,7 @@ FALSE_ALARM = (
 )
 THIN = 3.0  # standard deviations of the height below which a place may be bare
 BEHIND = 0.1  # of the length: grains so far behind the back wall are a slip of the origin
+NO_GATE = 0.5  # of the length: a case may begin with another shape than a block, but not with half of its length
 FARTHEST = 100.0  # columns (height + length): the longest chutes have 30
 CHANGE, ODD_CHANGE = (
     1.0,
@@ -113,13 +114,13 @@ def fronts(experiment):
         return
     curve, scales = experiment.curves["front"], scales_of(experiment)
     slack = BEHIND * scales.length + FAR * curve.sigma
-    behind = scales.length - slack - curve.value
+    behind = NO_GATE * scales.length - FAR * curve.sigma - curve.value
     worst = int(np.argmax(behind))
     if behind[worst] > 0.0:
         found = f"{at_point(curve, worst)}, behind the gate"
         allowed = f">= length_0 = {scales.length:g} m at all times"
-        gate = abs(curve.value[0]) <= slack[0]
-        likely = BACK_WALL if gate else unit_words(curve.value[0] / scales.length)
+        from_gate = abs(curve.value[0]) <= slack[0]
+        likely = BACK_WALL if from_gate else unit_words(curve.value[0] / scales.length)
         yield of_curve("front", ERROR, found, allowed, likely)
     late = FAR * (experiment.standard_deviation("time") + CLOCK)
     most = scales.length + advance(scales, curve.time + experiment.time_origin + late)

@@ -67,7 +67,7 @@ CURVES_REFUSED = {
         "t_s,x_front_m,sigma_m\n0,1,0.1\n1,1,-0.1\n",
         "sigma_m",
         "-0.1 in line 3",
-        ">= 0",
+        "> 0",
     ),
     "broken quote": ("front", 't_s,x_front_m\n0,"1\n', "file", "broken CSV", "comma"),
     "unknown scalar": ("scalars", "name,value\nrunuot,1\n", "name", "'runuot'", "runout"),
@@ -91,7 +91,7 @@ CURVES_REFUSED = {
         "name,value,sigma\nrunout,1,-1\n",
         "sigma",
         "-1 in line 2",
-        ">= 0",
+        "> 0",
     ),
 }
 
