@@ -192,7 +192,9 @@ def add_converge(commands):
         "--out", metavar="FOLDER", type=Path, help="default out/<name of the case>_<parameter>"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the table there as well")
-    parser.add_argument("--workers", metavar="N", type=whole_number, default=1, help="processes; default 1")
+    parser.add_argument(
+        "--workers", metavar="N", type=whole_number, default=1, help="processes; default 1"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=converge)
 
@@ -234,7 +236,9 @@ def add_bench(commands):
     parser.add_argument(
         "--effects", action="store_true", help="the cost of each effect instead; names are effects"
     )
-    parser.add_argument("--end", metavar="SECONDS", type=decimal_number, help="cut the collapses short")
+    parser.add_argument(
+        "--end", metavar="SECONDS", type=decimal_number, help="cut the collapses short"
+    )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=bench)
@@ -336,7 +340,9 @@ def add_blind(commands):
 def add_blind_make(parts):
     """`blind make`."""
     parser = parts.add_parser("make", help="make sealed cases", description=blind_make.__doc__)
-    parser.add_argument("--cases", metavar="N", type=whole_number, required=True, help="number of cases")
+    parser.add_argument(
+        "--cases", metavar="N", type=whole_number, required=True, help="number of cases"
+    )
     parser.add_argument(
         "--out",
         metavar="FOLDER",
@@ -448,7 +454,9 @@ def add_diagnose(commands):
         type=decimal_number,
         help="of the coarser of two grids [m]; default a twelfth of the height",
     )
-    parser.add_argument("--seed", metavar="N", type=whole_number, default=0, help="of all draws; default 0")
+    parser.add_argument(
+        "--seed", metavar="N", type=whole_number, default=0, help="of all draws; default 0"
+    )
     parser.add_argument(
         "--cache", metavar="FOLDER", type=Path, help="where finished runs are kept and found"
     )

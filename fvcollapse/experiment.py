@@ -141,12 +141,22 @@ def load_experiment(folder):
 
 def read_settings(path):
     """The `Settings` in a file."""
-    table = parse_toml(strip_truth(read_text(path, "TOML")), path)
-    table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
-    settings = settings_from_table(table, path)
+    settings = read_draft(path)
     for refusal in rule_required(settings):
         raise InputError(path, *refusal)
     return settings
+
+
+def is_complete(path):
+    """Whether the settings in a file state what every experiment has to state."""
+    return not list(rule_required(read_draft(path)))
+
+
+def read_draft(path):
+    """The `Settings` in a file that may still lack required keys."""
+    table = parse_toml(strip_truth(read_text(path, "TOML")), path)
+    table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
+    return settings_from_table(table, path)
 
 
 def strip_truth(text):

@@ -20,7 +20,7 @@ LAYERS = (
     "effects",
     "case",
     "curves uncertainty",
-    "experiment_keys measured_files",
+    "experiment_keys measured_files digitised_table",
     "grid",
     "state",
     "step",

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 
 from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
-from fvcollapse.digitised import STYLES, read_pairs
+from fvcollapse.digitised import read_pairs
+from fvcollapse.digitised_table import STYLES
 from fvcollapse.errors import InputError
 
 POINTS = [(0.0, 20.0), (0.05, 21.5), (0.1, -1.25e-3)]
@@ -16,7 +17,8 @@ SET_UP = ["geometry.slope_angle_deg=16", "geometry.height_0=0.14", "geometry.len
 
 def text_in(between, decimal, pairs=POINTS):
     mark = "  " if between is None else between
-    lines = (mark.join(repr(float(value)) for value in pair) for pair in pairs)
+    quote = '"' if between == decimal else ""
+    lines = (mark.join(f"{quote}{float(value)!r}{quote}" for value in pair) for pair in pairs)
     return "\n".join(line.replace(".", decimal) for line in lines) + "\n"
 
 
