@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from fvcollapse.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
@@ -11,6 +12,7 @@ from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
 from fvcollapse.diagnosis.findings import report_of
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.next_experiment import choices
+from fvcollapse.diagnosis.oddities import oddities_of, tell
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.reduction import climb
 from fvcollapse.diagnosis.report import Cost, read_report, write_report
@@ -41,7 +43,8 @@ def diagnose(
     """Diagnose the gap between experiments and the model that is believed.
 
     All runs go through the cache of runs: an interrupted diagnosis continues where it was with the same
-    call, and the next one with the same set-up finds most of its runs done.
+    call, and the next one with the same set-up finds most of its runs done. What is odd about an experiment
+    is one line on stderr, before anything is run, and stands in the report.
 
     Parameters
     ----------
@@ -82,6 +85,8 @@ def diagnose(
     if seed < 0:
         raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
     choose_points((*experiments, *hold_out, *controls))  # refuses what is given twice
+    warnings = oddities_of((*experiments, *hold_out, *controls))
+    tell(warnings)
     if case is not None and not isinstance(case, Case):
         case = load_case(case)
     if folder is not None:
@@ -112,6 +117,7 @@ def diagnose(
     )
     baseline = baseline_cases([first], case, cell_size)[first.name]
     report = report_of(analysis, answer, ladder, following, baseline, cost, model)
+    report = replace(report, warnings=warnings)
     if folder is not None:
         report = read_report(write_report(report, folder))
         write_page(report, folder)

@@ -13,6 +13,7 @@ from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
 from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import NAMED, UNKNOWN
+from fvcollapse.diagnosis.oddities import unseen_origins
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -569,6 +570,7 @@ def limits(analysis, ladder):
             f"The profiles were not weighed: no experiment has {LEAST_FRAMES} of different reach that show "
             "all grains."
         )
+    words += unseen_origins(analysis.experiments)
     words += far_words(ladder)
     if analysis.controls:
         words.append(control_words(analysis))

@@ -14,6 +14,7 @@ import msgspec
 import numpy as np
 
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
+from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files import write_atomic
 from fvcollapse.regular_files import read_regular
@@ -433,6 +434,8 @@ class Report(Part, kw_only=True):
     next_experiment : NextExperiment or None
         None where nothing is left to separate.
     cost : Cost
+    warnings : list of Oddity
+        What is odd about the experiments themselves, controls and held-out ones included.
     details : Details
     """
 
@@ -448,6 +451,7 @@ class Report(Part, kw_only=True):
     reduction: Reductions | None
     next_experiment: NextExperiment | None
     cost: Cost
+    warnings: list[Oddity] = []
     details: Details = Details()
 
 

@@ -63,7 +63,7 @@ def first_front(experiment):
     if low <= curve.value[0] <= high:
         return
     allowed = f"length_0 = {scales.length:g} m, where the front starts"
-    likely = horizontal(scales, curve.value[0], spread)
+    likely = other_direction(scales, curve.value[0], curve.value[0], spread)
     yield of_curve("front", WARNING, at_point(curve, 0), allowed, likely)
 
 
@@ -128,17 +128,17 @@ def face(experiment, x, h, moment):
     )
     found = f"the face of the column between {low:g} and {high:g} m at t = {moment:g} s"
     allowed = f"length_0 = {scales.length:g} m"
-    likely = unit_words(nearest / scales.length) or horizontal(scales, nearest, spread)
+    likely = unit_words(nearest / scales.length) or other_direction(scales, low, high, spread)
     severity = ERROR if wrong else WARNING
     yield Finding(severity, "profiles.csv", "x_m", found, allowed, likely)
 
 
-def horizontal(scales, place, spread):
-    """The words for an X that was read horizontally, where the face of the column fits to it."""
-    if abs(place) < ODD * spread:
+def other_direction(scales, low, high, spread):
+    """The origin or direction of X that a face of the column between two places fits to, as a question."""
+    if low - ODD * spread < 0.0 < high + ODD * spread:
         return BACK_WALL
     level = scales.length * cos(scales.slope)
-    near = abs(place - level) < min(NEAR * spread, abs(place - scales.length))
+    near = low - NEAR * spread < level < high + NEAR * spread
     return "X read horizontally instead of along the bed (cos of the slope)?" if near else ""
 
 
@@ -213,9 +213,10 @@ def travel(experiment, scales):
 
 def other_clock(time, half, scales):
     """What a time that is too long may be, as a question."""
+    whole = len(time) > 2 and (time == np.round(time)).all()
     if 0.5 <= half / scales.time / 1000.0 <= SLOW:
-        return "in ms instead of s?"
-    if (time == np.round(time)).all() and len(time) > 2:
+        return "in ms, or frame numbers, instead of s?" if whole else "in ms instead of s?"
+    if whole:
         return "frame numbers instead of s?"
     if 0.5 <= half <= SLOW:
         return "times divided by sqrt(height_0/g)?"

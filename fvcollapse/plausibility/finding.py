@@ -40,10 +40,6 @@ class Finding(NamedTuple):
         """What is allowed, and the likely convention."""
         return f"{self.allowed}; {self.likely}" if self.likely else self.allowed
 
-    def line(self):
-        """One line without the folder."""
-        return f"{self.file}: {self.key}: found {self.found}; expected: {self.expected}"
-
 
 class Scales(NamedTuple):
     """Scales of a collapse: height, length [m], slope [rad], fall time sqrt(height / g) [s], speed [m/s]."""

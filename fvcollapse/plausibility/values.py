@@ -119,7 +119,7 @@ def fronts(experiment):
     if behind[worst] > 0.0:
         found = f"{at_point(curve, worst)}, behind the gate"
         allowed = f">= length_0 = {scales.length:g} m at all times"
-        from_gate = abs(curve.value[0]) <= slack[0]
+        from_gate = abs(curve.value[0]) <= FAR * curve.sigma[0]
         likely = BACK_WALL if from_gate else unit_words(curve.value[0] / scales.length)
         yield of_curve("front", ERROR, found, allowed, likely)
     late = FAR * (experiment.standard_deviation("time") + CLOCK)
