@@ -86,11 +86,11 @@ def diagnose(
         raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
     choose_points((*experiments, *hold_out, *controls))  # refuses what is given twice
     warnings = oddities_of((*experiments, *hold_out, *controls))
-    tell(warnings)
     if case is not None and not isinstance(case, Case):
         case = load_case(case)
     if folder is not None:
         make_folder(folder)
+    tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
     analysis = analyse(
         experiments,

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from report_example import EFFECTS, FITTED, HELD_OUT, example
 
 from fvcollapse.diagnosis import report_words as words
+from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.diagnosis.report import (
     BASELINE,
     WINNER,
@@ -354,3 +355,20 @@ def test_outside_of_what_was_tried(report):
 def unknown_of(report):
     """The report with another verdict."""
     return replace(report, verdict=replace(report.verdict, kind="unknown", effects=[]))
+
+
+def test_oddities_stand_above_what_was_compared(tmp_path):
+    odd = Oddity("beads", "front.csv", "x_front_m", "0.185", "length_0 = 0.2 m", "X <horizontal>?")
+    report = replace(example(), warnings=[odd])
+    write_report(report, tmp_path)
+    page = Page(write_page(read_report(tmp_path), tmp_path).read_text(encoding="utf-8"))
+    assert page.ids.index("warnings") < page.ids.index("compared")
+    assert (
+        "beads, front.csv, x_front_m : found 0.185; expected: length_0 = 0.2 m; X <horizontal>?"
+        in page.text
+    )
+    assert odd.line() == (
+        "beads/front.csv: x_front_m: found 0.185; expected: length_0 = 0.2 m; X <horizontal>?"
+    )
+    without = Page(write_page(example(), tmp_path).read_text(encoding="utf-8"))
+    assert "warnings" not in without.ids
