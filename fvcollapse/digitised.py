@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.case import parse_value
-from fvcollapse.case_keys import read_text, toml_value
+from fvcollapse.case_keys import read_text, show, toml_value
 from fvcollapse.curves import FORMS, curve_text
 from fvcollapse.digitised_table import read_table
 from fvcollapse.errors import InputError, OutputError
@@ -154,6 +154,8 @@ def settings_text(settings, path):
     """Text of a new `experiment.toml`: what is known, and as comments the keys that are not."""
     table = {}
     for setting in settings:
+        if not is_utf8(setting):
+            raise InputError(path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text")
         name, equals, value = (part.strip() for part in setting.partition("="))
         if not (name and equals):
             raise InputError(
@@ -161,6 +163,8 @@ def settings_text(settings, path):
             )
         section, _, last = name.rpartition(".")
         inner = table.setdefault(section, {}) if section else table
+        if not isinstance(inner, dict):
+            raise InputError(path, section, show(inner), "a table")
         inner[last] = parse_value(value)
     settings_from_table(table, path)
     lines, header = [], ""
@@ -173,6 +177,11 @@ def settings_text(settings, path):
         known = f"{name} = {toml_value(inner[name])}" if name in inner else f"# {name} ="
         lines.append(f"{known}    # {info.unit}, {info.description}")
     return "# What was not measured stays a comment.\n\n" + "\n".join(lines) + "\n"
+
+
+def is_utf8(text):
+    """Whether a word of the command line was UTF-8: other bytes arrive as lone surrogates."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def missing_settings(folder):

@@ -214,6 +214,12 @@ def test_what_is_not_known_is_asked_for_and_later_curves_join(files, capsys):
         (["--set", "geometry.hight_0=1"], "geometry.hight_0: found an unknown key"),
         (["--set", "geometry.height_0=-1"], "geometry.height_0: found -1; allowed: a number > 0"),
         (["--set", "height"], "--set height: found no key or no '='"),
+        (["--set", "title=\udcff"], "--set: found a byte that is not UTF-8 in 'title="),
+        (
+            ["--set", "geometry=1", "--set", "geometry.height_0=1"],
+            "geometry: found 1; allowed: a table",
+        ),
+        (["--set", "geometry=1"], "geometry: found 1; allowed: a table"),
     ],
 )
 def test_bad_arguments_are_one_line_and_write_nothing(files, capsys, arguments, words):

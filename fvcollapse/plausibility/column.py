@@ -28,7 +28,7 @@ ODD = 3.0  # standard deviations
 NEAR = 2.0  # standard deviations within which a convention explains a ratio
 SCALE = 0.005  # least relative standard deviation of all lengths of a picture
 LOWEST = 0.3  # of the height: the corner of a badly filled column has slumped by 60 %
-EDGE = 0.85  # of the length: nearer to the gate the column begins to move first
+EDGE = 0.95  # of the length: up to there the mean of a surface that was not level is nearly height_0
 FACE = 0.2  # of the height: the face of a column is where it is thicker
 WRONG_FACE = (
     0.5  # of the length: a horizontal X is 13 % shorter on the steepest slope, a wedge 20 %
