@@ -155,7 +155,9 @@ def settings_text(settings, path):
     table = {}
     for setting in settings:
         if not is_utf8(setting):
-            raise InputError(path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text")
+            raise InputError(
+                path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text"
+            )
         name, equals, value = (part.strip() for part in setting.partition("="))
         if not (name and equals):
             raise InputError(

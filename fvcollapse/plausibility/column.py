@@ -20,32 +20,26 @@ from fvcollapse.plausibility.finding import (
 )
 from fvcollapse.plausibility.values import FAR, advance, at_point, of_curve
 
-EARLY = (
-    0.5  # fall times in which the top of a column at the gate comes down by an eighth of its height
-)
-AT_ONCE = 0.1  # fall times in which nothing moves by more than half a percent
+EARLY = 0.5  # fall times, in which the top at the gate comes down by an eighth of the height
+AT_ONCE = 0.1  # fall times, in which nothing moves by more than half a percent
 ODD = 3.0  # standard deviations
 NEAR = 2.0  # standard deviations within which a convention explains a ratio
 SCALE = 0.005  # least relative standard deviation of all lengths of a picture
 LOWEST = 0.3  # of the height: the corner of a badly filled column has slumped by 60 %
-EDGE = 0.95  # of the length: up to there the mean of a surface that was not level is nearly height_0
-FACE = 0.2  # of the height: the face of a column is where it is thicker
-WRONG_FACE = (
-    0.5  # of the length: a horizontal X is 13 % shorter on the steepest slope, a wedge 20 %
+EDGE = (
+    0.95  # of the length: up to there the mean of a surface that was not level is nearly height_0
 )
-NEAR_WALL, SPACING = (
-    0.1,
-    0.25,
-)  # of the length: where complete profiles begin, and their largest step
-BARE_SHARE, BARE = 0.03, 3.0  # of the height, and standard deviations: a place without grains
-AREA, ODD_AREA = (
-    5.0,
-    1.25,
-)  # factors: what the deposit may have lost or swollen (15 % of grains, 17 % of volume)
-SLOW, TOO_SLOW = (
-    12.0,
-    200.0,
-)  # fall times to half the run-out: 2 to 5 in 35 films from level beds to 22 deg
+FACE = 0.2  # of the height: the face of a column is where it is thicker
+# part of the length: a horizontal X is 13 % shorter on the steepest slope, a wedge seems 20 % shorter
+WRONG_FACE = 0.5
+# parts of the length: where complete profiles begin, and their largest step
+NEAR_WALL, SPACING = 0.1, 0.25
+# a place without grains: part of the height, standard deviations
+BARE_SHARE, BARE = 0.03, 3.0
+# factors of the area: 15 % of the grains may be lost, 17 % of the volume be gained
+AREA, ODD_AREA = 5.0, 1.25
+# fall times to half of the run-out: 1.8 to 5 in 35 films from a level bed to 22 deg
+SLOW, TOO_SLOW = 12.0, 200.0
 SLOW_GATE = 3.0  # times of opening of a gate, which then sets the pace
 LEAST_TRAVEL = 0.25  # of the length: a front that hardly moves has no pace
 

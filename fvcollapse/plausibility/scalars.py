@@ -16,12 +16,12 @@ from fvcollapse.plausibility.finding import (
 from fvcollapse.plausibility.values import FAR, FARTHEST, HIGH, HIGHEST, LONGEST
 
 FILE = "scalars.csv"
-LEAST_FRICTION = 0.3  # of glass beads, where none is stated
+LEAST_FRICTION = 0.3  # where none is stated; glass beads have 0.36 to 0.44
 STEEP = 0.05  # least difference of friction and slope in the energy balance of the run-out
 REACH = (
     3.0  # times the way height/(friction - slope) of a block that falls by the height of the column
 )
-SLOW_STOP, LATE_STOP = 100.0, 0.5  # fall times: the longest and the shortest collapse
+SLOW_STOP, SHORT_STOP = 100.0, 0.5  # fall times of a collapse: up to 21 in films and tables
 THINNEST = 0.01  # of the height: deposits of columns 20 times as high as long keep a tenth
 FLOW_TIME = 30.0  # fall times over which a slope may drive the front
 
@@ -92,8 +92,8 @@ def time_stop(experiment):
         elif scalar.kind != "upper" and moment > SLOW_STOP * time + FAR * scalar.sigma:
             allowed = f"<= {SLOW_STOP * time:.3g} s, {SLOW_STOP:g} times sqrt(height_0/g)"
             yield about(scalar, WARNING, found, allowed, "in ms, or a frame number?")
-        elif scalar.kind != "lower" and 0.0 < moment < LATE_STOP * time - ODD * scalar.sigma:
-            allowed = f"0, or >= {LATE_STOP * time:.2g} s, in which grains fall"
+        elif scalar.kind != "lower" and 0.0 < moment < SHORT_STOP * time - ODD * scalar.sigma:
+            allowed = f"0, or >= {SHORT_STOP * time:.2g} s, in which grains fall"
             yield about(scalar, WARNING, found, allowed, "in minutes instead of s?")
 
 

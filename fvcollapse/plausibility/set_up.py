@@ -13,16 +13,15 @@ RADIANS = (radians(3.0), radians(30.0))
 # mu_1 is the tangent of the angle of repose: 1-3 deg apart in published sets, 5.4 deg between repose and
 # avalanche (Lajeunesse et al. 2005); a heap in a narrow channel stands 5-10 deg steeper
 ANGLES_ODD, ANGLES_APART = 10.0, 15.0
-LEAST_REPOSE = (
-    5.0  # deg; the smoothest spheres without friction stand at about 5.8 deg (Peyneau & Roux 2008)
-)
+# deg; spheres without any friction stand at 5.8 (Peyneau & Roux 2008, Phys. Rev. E 78, 011307)
+LEAST_REPOSE = 5.0
 READING = 1.0  # deg; twice the error of an angle
 STEEPEST = 2.0  # friction coefficient of a slope of 63 deg
 COARSEST = 4.0  # grains in the smaller side of a column: below, no continuum
-LIGHTEST = 100.0  # kg/m3; half of the lightest grains in use (expanded polystyrene apart)
+LIGHTEST = 100.0  # kg/m3; below are beads of expanded polystyrene alone
 PACKED = (0.4, 0.91)  # solid fraction: fine powder, discs in a plane
 NARROWEST = 3.0  # grains in the width of a channel
-FASTEST_GATE = 50.0  # m/s; pneumatic gates reach 5
+FASTEST_GATE = 50.0  # m/s; gates in print: 1 to 3.5
 THICKEST_FRONT = 1.0 / 3.0  # of the column
 ASPECT = 100.0  # of a column or its inverse; 0.1 to 20 in print
 

@@ -25,27 +25,23 @@ FAR = 5.0  # standard deviations: once in 3 million measurements
 # largest thickness in heights of the column: grains only fall; a gate drags some 12 % up, and a column that
 # was not level is higher at one end
 HIGHEST, HIGH = 2.0, 1.4
-DEEPEST = (
-    0.25  # of the height: erodible beds of a collapse give way by some grain diameters, up to 2 cm
-)
-FALSE_ALARM = (
-    0.02  # chance that the lowest of all thin heights is called odd in a right measurement
-)
+# part of the height: erodible beds of a collapse give way by some grain diameters, up to 2 cm
+DEEPEST = 0.25
+# chance that the lowest of all thin heights is called odd in a right measurement
+FALSE_ALARM = 0.02
 THIN = 3.0  # standard deviations of the height below which a place may be bare
 BEHIND = 0.1  # of the length: grains so far behind the back wall are a slip of the origin
 NO_GATE = 0.5  # of the length: a case may begin with another shape than a block, but not with half of its length
-FARTHEST = 100.0  # columns (height + length): the longest chutes have 30
-CHANGE, ODD_CHANGE = (
-    1.0,
-    0.35,
-)  # of the volume; from densest to loosest packing 28 %, the worst area under h 17 %
+FARTHEST = (
+    100.0  # columns (height + length): the shipped experiments reach 3.5 on a slope of 22 deg
+)
+# change of the volume: from densest to loosest packing 28 %, the worst area under h 17 %
+CHANGE, ODD_CHANGE = 1.0, 0.35
 AT_START = 0.5  # largest change of volume within the first fall time
-LEAST_SIGMA, LARGEST_SIGMA = (
-    1.0e-9,
-    100.0,
-)  # in scales of the quantity: round-off, no measurement at all
+# standard deviations in scales of the quantity: beyond the first pair no measurement, beyond the second odd
+LEAST_SIGMA, LARGEST_SIGMA = 1.0e-9, 100.0
 FINE_SIGMA, COARSE_SIGMA = 1.0e-5, 1.0
-LONGEST = 1.0e4  # fall times: the slowest gates let a column run out for 60
+LONGEST = 1.0e4  # fall times: under a slow gate a column runs out for 60
 
 
 def heights(experiment):
