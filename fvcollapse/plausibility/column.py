@@ -4,6 +4,7 @@ At the start nothing has moved: the front stands at the gate, the profile is the
 no physics of grains but a unit, an origin, or another direction in which lengths were read.
 """
 
+from itertools import pairwise
 from math import cos, hypot, isfinite, sqrt
 
 import numpy as np
@@ -142,8 +143,7 @@ def area(experiment):
     if curve is None:
         return
     areas = []
-    for moment in np.unique(curve.time):
-        now = curve.time == moment
+    for now in pictures(curve.time):
         x, h = curve.x[now], curve.value[now]
         bare = max(BARE * curve.sigma[now][-1], BARE_SHARE * scales.height)
         steps = np.diff(x, prepend=0.0)
@@ -152,11 +152,10 @@ def area(experiment):
             and steps.max() <= SPACING * max(scales.length, x[-1] / 10.0)
             and abs(h[-1]) <= bare
         ):
-            areas.append((moment, h[0] * x[0] + trapezoid(h, x)))
+            areas.append(h[0] * x[0] + trapezoid(h, x))
     if not areas:
         return
-    ratios = np.array([each for _, each in areas]) / (scales.height * scales.length)
-    ratio = float(np.median(ratios))
+    ratio = float(np.median(areas)) / (scales.height * scales.length)
     if 1.0 / ODD_AREA <= ratio <= ODD_AREA:
         return
     severity = WARNING if 1.0 / AREA <= ratio <= AREA else ERROR
@@ -198,11 +197,17 @@ def travel(experiment, scales):
     profiles = curves["profiles"]
     thick = np.maximum(FACE * scales.height / 2.0, BARE * profiles.sigma)
     shown = profiles.value > thick
-    moments = np.unique(profiles.time[shown])
-    if not len(moments):
+    if not shown.any():
         return "", None, None
-    ends = np.array([profiles.x[shown & (profiles.time == moment)].max() for moment in moments])
-    return "profiles.csv", moments, ends
+    time, x = profiles.time[shown], profiles.x[shown]
+    last = np.array([now.stop - 1 for now in pictures(time)])
+    return "profiles.csv", time[last], x[last]
+
+
+def pictures(time):
+    """A slice of each run of equal times, in their order."""
+    starts = np.flatnonzero(np.diff(time, prepend=-np.inf))
+    return [slice(start, stop) for start, stop in pairwise((*starts.tolist(), len(time)))]
 
 
 def other_clock(time, half, scales):

@@ -8,10 +8,10 @@ from math import atan, degrees, isfinite, radians, tan
 from fvcollapse.plausibility.finding import ERROR, WARNING, Finding, scales_of
 
 FILE = "experiment.toml"
-# an angle of 3 to 30 deg given in radians; a level bed is known to about 0.3 deg = 0.005 rad
+# 3 to 30 deg in radians; as degrees a bed is that nearly level, and still stated as sloping, only by chance
 RADIANS = (radians(3.0), radians(30.0))
-# mu_1 is the tangent of the angle of repose: 1-3 deg apart in published sets, 5.4 deg between repose and
-# avalanche (Lajeunesse et al. 2005); a heap in a narrow channel stands 5-10 deg steeper
+# mu_1 is the tangent of the angle of repose: less than 1 deg apart in the shipped experiments; 5.4 deg between
+# repose and avalanche (Lajeunesse et al. 2005); a heap in a narrow channel stands some degrees steeper
 ANGLES_ODD, ANGLES_APART = 10.0, 15.0
 # deg; spheres without any friction stand at 5.8 (Peyneau & Roux 2008, Phys. Rev. E 78, 011307)
 LEAST_REPOSE = 5.0
