@@ -12,6 +12,7 @@ from math import isfinite
 from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError, one_line, refuse_bad_target
+from fvcollapse.plain_numbers import decimal_number, whole_number
 from fvcollapse.version import __version__
 
 
@@ -186,12 +187,14 @@ def add_converge(commands):
         ("--shear-rate-min", "shear rates of the regularisation [1/s]"),
         ("--tolerance", "tolerances of the nonlinear iteration"),
     ):
-        axes.add_argument(option, metavar="VALUE", nargs="+", type=float, help=what)
+        axes.add_argument(option, metavar="VALUE", nargs="+", type=decimal_number, help=what)
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="default out/<name of the case>_<parameter>"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the table there as well")
-    parser.add_argument("--workers", metavar="N", type=int, default=1, help="processes; default 1")
+    parser.add_argument(
+        "--workers", metavar="N", type=whole_number, default=1, help="processes; default 1"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=converge)
 
@@ -235,7 +238,9 @@ def add_bench(commands):
     parser.add_argument(
         "--effects", action="store_true", help="the cost of each effect instead; names are effects"
     )
-    parser.add_argument("--end", metavar="SECONDS", type=float, help="cut the collapses short")
+    parser.add_argument(
+        "--end", metavar="SECONDS", type=decimal_number, help="cut the collapses short"
+    )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=bench)
@@ -263,7 +268,7 @@ def add_workers(parser, default=1):
     parser.add_argument(
         "--workers",
         metavar="N",
-        type=int,
+        type=whole_number,
         default=default,
         help=f"processes; default {default}",
     )
@@ -337,7 +342,9 @@ def add_blind(commands):
 def add_blind_make(parts):
     """`blind make`."""
     parser = parts.add_parser("make", help="make sealed cases", description=blind_make.__doc__)
-    parser.add_argument("--cases", metavar="N", type=int, required=True, help="number of cases")
+    parser.add_argument(
+        "--cases", metavar="N", type=whole_number, required=True, help="number of cases"
+    )
     parser.add_argument(
         "--out",
         metavar="FOLDER",
@@ -446,10 +453,12 @@ def add_diagnose(commands):
     parser.add_argument(
         "--cell-size",
         metavar="VALUE",
-        type=float,
+        type=decimal_number,
         help="of the coarser of two grids [m]; default a twelfth of the height",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of all draws; default 0")
+    parser.add_argument(
+        "--seed", metavar="N", type=whole_number, default=0, help="of all draws; default 0"
+    )
     parser.add_argument(
         "--cache", metavar="FOLDER", type=Path, help="where finished runs are kept and found"
     )
@@ -559,7 +568,7 @@ def timed(option, text):
     """(path, time [s]) of T=FILE."""
     time, _, path = text.partition("=")
     try:
-        number = float(time)
+        number = decimal_number(time)
     except ValueError:
         number = float("nan")
     if not (isfinite(number) and path):
@@ -581,7 +590,7 @@ def add_keys(commands):
 def keys(arguments):
     """Print every key of the case file with its default, unit, range and meaning."""
     if arguments.experiment:
-        from fvcollapse.experiment import describe_keys
+        from fvcollapse.experiment_keys import describe_keys
     else:
         from fvcollapse.case import describe_keys
 

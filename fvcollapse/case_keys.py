@@ -5,12 +5,12 @@ import re
 import tomllib
 from difflib import get_close_matches
 from functools import cache
-from pathlib import Path
 from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgspec
 
 from fvcollapse.errors import InputError
+from fvcollapse.regular_files import read_regular
 
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -57,14 +57,25 @@ class KeyInfo(NamedTuple):
 
 def read_text(path, kind, refuse=InputError):
     """Text of a file; a defect is one error of the type `refuse`, which asks for `kind`."""
+    return decode_text(read_bytes(path, kind, refuse), path, refuse)
+
+
+def read_bytes(path, kind, refuse=InputError):
+    """Bytes of a regular file; a defect is one error of the type `refuse`, which asks for `kind`."""
     try:
-        return Path(path).read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"a byte that is not UTF-8 at offset {error.start}"
-        raise refuse(path, "file", found, "UTF-8 text") from None
+        return read_regular(path)
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or str(error)).lower()
         raise refuse(path, "file", problem, f"a readable {kind} file") from None
+
+
+def decode_text(data, path, refuse=InputError):
+    """The text in bytes of the file `path`: UTF-8, with or without a byte order mark."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"a byte that is not UTF-8 at offset {error.start}"
+        raise refuse(path, "file", found, "UTF-8 text") from None
 
 
 def parse_toml(text, source, refuse=InputError):

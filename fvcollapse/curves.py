@@ -13,6 +13,7 @@ import numpy as np
 
 from fvcollapse.case_keys import closest_name, read_text
 from fvcollapse.errors import InputError
+from fvcollapse.plain_numbers import decimal_number
 
 KINDS = ("value", "upper", "lower")
 ROWS_MAX = 5_000_000  # more is a wrong file
@@ -71,7 +72,7 @@ def read_curve(path, name, sigma):
     ------
     InputError
         A column that is missing or unknown, a value that is not finite, times that do not increase,
-        or, within one time, abscissae that do not; a negative standard deviation.
+        or, within one time, abscissae that do not; a standard deviation that is not positive.
     """
     form = FORMS[name]
     lines, header, rows = read_rows(path, form.columns, (form.sigma,))
@@ -84,8 +85,8 @@ def read_curve(path, name, sigma):
     spread = numbers.get(form.sigma)
     if spread is None:
         spread = np.full(len(time), float(sigma))
-    elif (spread < 0.0).any():
-        refuse(path, form.sigma, spread.min(), lines[int(np.argmin(spread))], "a number >= 0")
+    elif (spread <= 0.0).any():
+        refuse(path, form.sigma, f"{spread.min():g}", lines[int(np.argmin(spread))], "a number > 0")
     return Curve(time, places[0] if places else None, value, spread)
 
 
@@ -129,8 +130,8 @@ def scalar(path, line, row, units, default):
     value = number(path, "value", line, row["value"])
     sigma = row.get("sigma")
     sigma = number(path, "sigma", line, sigma) if sigma else default(name)
-    if sigma < 0.0:
-        refuse(path, "sigma", f"{sigma:g}", line, "a number >= 0")
+    if sigma <= 0.0:
+        refuse(path, "sigma", f"{sigma:g}", line, "a number > 0")
     return Scalar(name, value, sigma, kind)
 
 
@@ -171,7 +172,7 @@ def check_header(path, header, required, optional):
 def number(path, column, line, text):
     """A finite number."""
     try:
-        value = float(text)
+        value = decimal_number(text)
     except ValueError:
         value = float("nan")
     if not isfinite(value):

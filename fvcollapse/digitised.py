@@ -1,24 +1,21 @@
-"""Curves from digitising tools (x, y in columns, one file per curve) as an experiment folder.
+"""Curves from digitising tools (x, y in columns, one file per curve) as an experiment folder."""
 
-Such files differ in the mark between the columns (comma, semicolon, tab, blanks) and in the decimal
-mark (point, comma). The first combination that reads every line as two finite numbers is taken.
-"""
-
-from math import isfinite
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
 
 from fvcollapse.case import parse_value
-from fvcollapse.case_keys import read_text, toml_value
+from fvcollapse.case_keys import read_text, show, toml_value
 from fvcollapse.curves import FORMS, curve_text
+from fvcollapse.digitised_table import read_table
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.experiment import SETTINGS, describe_keys, load_experiment, settings_from_table
+from fvcollapse.experiment import SETTINGS, is_complete, load_experiment, read_measurements
+from fvcollapse.experiment_keys import describe_keys, settings_from_table
 from fvcollapse.files import write_atomic
+from fvcollapse.uncertainty import Uncertainty
 
-# (mark between the columns, None = blanks; decimal mark), less ambiguous ones first
-STYLES = ((";", "."), (";", ","), ("\t", "."), ("\t", ","), (",", "."), (None, "."), (None, ","))
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}
 RATIOS = {"1": 1.0, "%": 0.01}
@@ -65,13 +62,50 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", settings=
     for name in texts:
         if (folder / name).exists():
             raise InputError(folder / name, "file", "one that is already there", "another folder")
+    refuse_unreadable(texts, folder)
+    write_all(texts, folder)
+    return [folder / name for name in texts]
+
+
+def refuse_unreadable(texts, folder):
+    """Refuse files that could not be read again, or that no collapse can show, before they are written.
+
+    Without slope and column only the form of the curves is looked at.
+    """
+    with TemporaryDirectory() as trial:
+        trial = Path(trial)
+        for name, text in texts.items():
+            (trial / name).write_text(text, encoding="utf-8")
+        if SETTINGS not in texts:
+            text = read_text(folder / SETTINGS, "TOML")
+            (trial / SETTINGS).write_text(text, encoding="utf-8")
+        try:
+            if texts.keys() - {SETTINGS}:
+                read_measurements(trial, Uncertainty())
+                if is_complete(trial / SETTINGS):
+                    load_experiment(trial)
+        except InputError as error:
+            file = folder / Path(error.file).name
+            raise InputError(file, error.key, error.found, error.allowed) from None
+
+
+def write_all(texts, folder):
+    """Write the files of an experiment, {name: text}, all of them or none."""
+    new, written = not folder.exists(), []
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
-    for name, text in texts.items():
-        write_atomic(folder / name, text.encode(), running=False)
-    return [folder / name for name in texts]
+    try:
+        for name, text in texts.items():
+            write_atomic(folder / name, text.encode(), running=False)
+            written.append(folder / name)
+    except OutputError:
+        for path in written:
+            path.unlink(missing_ok=True)
+        if new:
+            folder.rmdir()
+        raise
 
 
 def curve_texts(sources, length, time, ratio):
@@ -100,42 +134,14 @@ def curve_texts(sources, length, time, ratio):
 def read_pairs(path):
     """Pairs of a digitised file in order of their abscissa, (n, 2).
 
-    Empty lines, lines that begin with # and a first line of words are passed over. Points with the
-    same abscissa (a point clicked twice) become their mean.
+    Points with the same abscissa (a point clicked twice) become their mean.
 
     Raises
     ------
     InputError
-        The file is not two columns of numbers in any of the styles.
+        See `digitised_table.read_table`.
     """
-    lines = enumerate(read_text(path, "two-column").splitlines(), start=1)
-    lines = [(at, line.strip()) for at, line in lines if line.strip() and line.strip()[0] != "#"]
-    if lines and not any(letter.isdigit() for letter in lines[0][1]):
-        lines = lines[1:]
-    if not lines:
-        raise InputError(path, "file", "no points", "two columns of numbers")
-    attempts = [parse(lines, *style) for style in STYLES]
-    for pairs, _ in attempts:
-        if len(pairs) == len(lines):
-            return merge_repeats(np.array(sorted(pairs)))
-    at, line = max((stopped for _, stopped in attempts), key=lambda stopped: stopped[0])
-    raise InputError(path, f"line {at}", repr(line[:60]), "two finite numbers, as all lines before")
-
-
-def parse(lines, between, decimal):
-    """(pairs up to the first line that is not one in this style, that line or None)."""
-    pairs = []
-    for at, line in lines:
-        cells = [cell.strip().replace(decimal, ".") for cell in line.split(between)]
-        foreign = decimal == "," and "." in line  # of another style
-        try:
-            pair = tuple(float(cell) for cell in cells)
-        except ValueError:
-            pair = ()
-        if foreign or len(pair) != 2 or not all(isfinite(value) for value in pair):
-            return pairs, (at, line)
-        pairs.append(pair)
-    return pairs, None
+    return merge_repeats(np.array(sorted(read_table(path))))
 
 
 def merge_repeats(pairs):
@@ -148,6 +154,10 @@ def settings_text(settings, path):
     """Text of a new `experiment.toml`: what is known, and as comments the keys that are not."""
     table = {}
     for setting in settings:
+        if not is_utf8(setting):
+            raise InputError(
+                path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text"
+            )
         name, equals, value = (part.strip() for part in setting.partition("="))
         if not (name and equals):
             raise InputError(
@@ -155,6 +165,8 @@ def settings_text(settings, path):
             )
         section, _, last = name.rpartition(".")
         inner = table.setdefault(section, {}) if section else table
+        if not isinstance(inner, dict):
+            raise InputError(path, section, show(inner), "a table")
         inner[last] = parse_value(value)
     settings_from_table(table, path)
     lines, header = [], ""
@@ -167,6 +179,11 @@ def settings_text(settings, path):
         known = f"{name} = {toml_value(inner[name])}" if name in inner else f"# {name} ="
         lines.append(f"{known}    # {info.unit}, {info.description}")
     return "# What was not measured stays a comment.\n\n" + "\n".join(lines) + "\n"
+
+
+def is_utf8(text):
+    """Whether a word of the command line was UTF-8: other bytes arrive as lone surrogates."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def missing_settings(folder):

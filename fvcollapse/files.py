@@ -19,6 +19,7 @@ except ImportError:  # not on Windows, where nothing is locked
     fcntl = None
 
 from fvcollapse.errors import InputError, OutputError
+from fvcollapse.regular_files import refuse_special
 
 LIBVER = (
     "v108",
@@ -127,6 +128,7 @@ def reading(source, kind):
     name = source if isinstance(source, str | Path) else kind
     allowed = f"a complete {kind} file written by fvcollapse"
     try:
+        refuse_special(source)
         with open(source, "rb"):
             pass
     except TypeError:

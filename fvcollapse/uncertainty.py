@@ -68,12 +68,23 @@ DEFAULTS = {
     "repose_angle_deg": absolute("deg", 0.5, "Lajeunesse et al. 2005"),
     "avalanche_angle_deg": absolute("deg", 0.5, "Lajeunesse et al. 2005"),
 }
+# what is measured of the collapse, and never without an error
+MEASURED = (
+    "thickness",
+    "front",
+    "relative_volume",
+    "interface",
+    "time_stop",
+    "peak_front_velocity",
+)
+LARGEST = {"m": 1000.0, "s": 1000.0, "m/s": 1000.0, "deg": 90.0, "-": 10.0, "kg/m3": 1.0e5}
 
 
 def stated_key(name):
     """The optional key of one quantity, as msgspec wants it: (name, type, default)."""
     unit, *_ = DEFAULTS[name]
-    return name, Annotated[float, key(unit, f"standard deviation of {name}", ge=0)] | None, None
+    limits = key(unit, f"standard deviation of {name}", ge=0, le=LARGEST[unit])
+    return name, Annotated[float, limits] | None, None
 
 
 Uncertainty = msgspec.defstruct(

@@ -14,12 +14,13 @@ PACKAGE = Path(fvcollapse.__file__).parent
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
-    "errors version code_graph",
+    "errors version code_graph regular_files plain_numbers",
     "case_keys case_limits well_posed",
     "case_rules case_effects",
     "effects",
     "case",
     "curves uncertainty",
+    "experiment_keys measured_files digitised_table",
     "grid",
     "state",
     "step",
@@ -28,6 +29,7 @@ LAYERS = (
     "observation",
     "observables files fingerprint",
     "workers",
+    "plausibility",
     "experiment",
     "align digitised",
     "trust",

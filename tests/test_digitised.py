@@ -1,22 +1,27 @@
 """Curves of digitising tools: every style of numbers, units, and what is refused."""
 
+from pathlib import Path
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from fvcollapse import load_experiment
+from fvcollapse import digitised, load_experiment
 from fvcollapse.__main__ import main
-from fvcollapse.digitised import STYLES, read_pairs
-from fvcollapse.errors import InputError
+from fvcollapse.digitised import read_pairs
+from fvcollapse.digitised_table import STYLES
+from fvcollapse.errors import InputError, OutputError
 
+EXPORTS = Path(__file__).parent / "conventions" / "tool_exports"
 POINTS = [(0.0, 20.0), (0.05, 21.5), (0.1, -1.25e-3)]
 SET_UP = ["geometry.slope_angle_deg=16", "geometry.height_0=0.14", "geometry.length_0=0.2"]
 
 
 def text_in(between, decimal, pairs=POINTS):
     mark = "  " if between is None else between
-    lines = (mark.join(repr(float(value)) for value in pair) for pair in pairs)
+    quote = '"' if between == decimal else ""
+    lines = (mark.join(f"{quote}{float(value)!r}{quote}" for value in pair) for pair in pairs)
     return "\n".join(line.replace(".", decimal) for line in lines) + "\n"
 
 
@@ -55,6 +60,16 @@ def test_style_does_not_change_the_numbers(tmp_path_factory, pairs, style):
         ("# tool 4.5\n\n 2\t1 \r\n1\t3\r\n", [(1, 3), (2, 1)]),
         ("\ufeff1 2\n", [(1, 2)]),
         ("1 2\n1 4\n0 5\n", [(0, 5), (1, 3)]),  # clicked twice
+        ("Default Dataset,\nX,Y\n1,2\n", [(1, 2)]),
+        ("h at t = 0.2 s,\nX,Y\n1.5,2\n", [(1.5, 2)]),
+        ("0.2 s,\nX,Y\n1.5,2\n", [(1.5, 2)]),
+        ("x,Curve1\n1,2\n", [(1, 2)]),
+        ('"x";"y"\n"1,5";"2"\n', [(1.5, 2)]),
+        ('"1,50000", "2,50000"\n', [(1.5, 2.5)]),
+        ("\ufeffsep=;\nx;y\n1,5;2\n", [(1.5, 2)]),
+        ("sep=|\n1|2\n", [(1, 2)]),
+        ("Empty,,front,\nX,Y,X,Y\n,,1,2\n,,3,4\n", [(1, 2), (3, 4)]),  # one of two sets is empty
+        ("1,2,\n3,4,\n", [(1, 2), (3, 4)]),
     ],
 )
 def test_what_tools_write(tmp_path, text, expected):
@@ -73,6 +88,21 @@ def test_what_tools_write(tmp_path, text, expected):
         ("1,5 2,5\n1.5 2.5\n", "line 2", "'1.5 2.5'"),
         ("1 nan\n", "line 1", "'1 nan'"),
         ("0,1,0,2\n", "line 1", "'0,1,0,2'"),
+        ("x,y\n0,1,0,2\n", "line 2", "4 columns of numbers if no comma is a decimal mark"),
+        ("A,,B,\nX,Y,X,Y\n0,1,0,2\n", "line 3", "4 columns of numbers under A, B"),
+        ("x,Curve1,Curve2\n0,1,2\n", "line 2", "3 columns of numbers under x, Curve1, Curve2"),
+        ("1\n2\n", "line 1", "1 column of numbers"),
+        ("x,y\n1,2\nx,y\n3,4\n", "line 3", "words below numbers"),
+        ("nan;nan\n1;2\n", "line 1", "'nan;nan'"),
+        ("1,2\n3,\n", "line 2", "'3,'"),
+        ("1;2,5\n1.5;2.5\n", "line 2", "'1.5;2.5'"),
+        ('"1,234","5,678"\n', "file", "may be decimal marks or stand between thousands"),
+        ("1_0 2\n", "line 1", "'1_0 2'"),
+        ("1 \u0662\n", "line 1", "'1 \u0662'"),
+        ("1 1e999\n", "line 1", "'1 1e999'"),
+        ("a\nb\nc\nd\n1 2\n", "line 4", "'d'"),
+        ('{"dataset": [1, 2]}\n', "file", "a JSON document"),
+        ('<?xml version="1.0"?>\n1 2\n', "file", "an XML document"),
     ],
 )
 def test_what_is_no_curve_is_refused(tmp_path, text, key, words):
@@ -82,6 +112,38 @@ def test_what_is_no_curve_is_refused(tmp_path, text, key, words):
         read_pairs(path)
     assert caught.value.key == key
     assert words in caught.value.found
+
+
+@pytest.mark.parametrize(
+    ("data", "words"), [(b"PK\x03\x04\xff", "a ZIP archive"), ("1;2\n".encode("utf-16"), "UTF-16")]
+)
+def test_a_spreadsheet_is_named(tmp_path, data, words):
+    path = tmp_path / "curve.xlsx"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=words):
+        read_pairs(path)
+
+
+@pytest.mark.parametrize(
+    ("file", "count", "first", "last"),
+    [
+        ("front_wpd.csv", 20, (0.000496854507139, 20.0), (0.951338671379642, 52.76119531113468)),
+        ("h_0.2s_wpd.csv", 14, (1.0, 13.55), (27.0, 1.41)),
+        ("curve_default.csv", 20, (0.0, 0.2), (0.95, 0.527612)),
+        ("curve_cs_CZ.csv", 20, (0.0, 0.2), (0.95, 0.52761)),
+    ],
+)
+def test_exports_of_tools_are_read(file, count, first, last):
+    pairs = read_pairs(EXPORTS / file)
+    assert len(pairs) == count
+    assert (tuple(pairs[0]), tuple(pairs[-1])) == (first, last)
+
+
+def test_one_mark_for_two_things_is_not_guessed():
+    with pytest.raises(
+        InputError, match=r"line 2: found '0,00000,0,20000', 4 columns .* semicolons"
+    ):
+        read_pairs(EXPORTS / "curve_et_EE.csv")
 
 
 # -- the folder --------------------------------------------------------------------------------
@@ -152,6 +214,12 @@ def test_what_is_not_known_is_asked_for_and_later_curves_join(files, capsys):
         (["--set", "geometry.hight_0=1"], "geometry.hight_0: found an unknown key"),
         (["--set", "geometry.height_0=-1"], "geometry.height_0: found -1; allowed: a number > 0"),
         (["--set", "height"], "--set height: found no key or no '='"),
+        (["--set", "title=\udcff"], "--set: found a byte that is not UTF-8 in 'title="),
+        (
+            ["--set", "geometry=1", "--set", "geometry.height_0=1"],
+            "geometry: found 1; allowed: a table",
+        ),
+        (["--set", "geometry=1"], "geometry: found 1; allowed: a table"),
     ],
 )
 def test_bad_arguments_are_one_line_and_write_nothing(files, capsys, arguments, words):
@@ -169,3 +237,41 @@ def test_nothing_is_overwritten(files, capsys):
     assert "front.csv: file: found one that is already there" in capsys.readouterr().err
     assert imported("--volume", "volume.txt", "--set", "title=other") == 2
     assert before == {path.name: path.read_bytes() for path in (files / "beads").iterdir()}
+
+
+def test_a_forgotten_unit_is_told_before_anything_is_written(files, capsys):
+    """The exports are in cm."""
+    curves = [
+        *("--front", str(EXPORTS / "front_wpd.csv")),
+        *("--profile", f"0.2={EXPORTS / 'h_0.2s_wpd.csv'}"),
+        *(word for setting in SET_UP for word in ("--set", setting)),
+    ]
+    assert imported(*curves) == 2
+    error = capsys.readouterr().err
+    assert "front.csv: x_front_m: found" in error
+    assert "in cm instead of m?" in error
+    assert error.count("\n") == 1
+    assert not (files / "beads").exists()
+    assert imported(*curves, "--length-unit", "cm") == 0
+    experiment = load_experiment(files / "beads")
+    assert [len(experiment.curves[name].time) for name in ("front", "profiles")] == [20, 14]
+
+
+def test_abscissae_that_are_one_in_the_file_are_refused(files, capsys):
+    """Seven digits are written."""
+    (files / "front.txt").write_text("1.00000001 0.2\n1.00000002 0.3\n")
+    assert imported("--front", "front.txt") == 2
+    assert "t_s: found 1 after 1 in line 3" in capsys.readouterr().err
+    assert not (files / "beads").exists()
+
+
+def test_a_full_disk_leaves_no_half_of_an_experiment(files, capsys, monkeypatch):
+    def full(path, data, running=True):
+        if path.name == "experiment.toml":
+            raise OutputError(path, "no space left", running)
+        path.write_bytes(data)
+
+    monkeypatch.setattr(digitised, "write_atomic", full)
+    assert imported("--front", "front.txt") == 2
+    assert "no space left" in capsys.readouterr().err
+    assert not (files / "beads").exists()

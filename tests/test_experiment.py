@@ -14,9 +14,14 @@ from fvcollapse.align import align, on_points
 from fvcollapse.case import Case
 from fvcollapse.case_keys import key_table
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.experiment import CASE_KEYS, Settings, read_settings, strip_truth
+from fvcollapse.experiment import read_settings, strip_truth
+from fvcollapse.experiment_keys import CASE_KEYS, Settings
 from fvcollapse.uncertainty import DEFAULTS
 
+# measurements that suit a column of any size
+STOP_ALONE = dict.fromkeys(("front", "profiles", "volume", "interface")) | {
+    "scalars": "name,value,sigma,kind\ntime_stop,1.4,0.1,upper\n"
+}
 BARE = "[geometry]\nslope_angle_deg = 5\nheight_0 = 0.1\nlength_0 = 0.3\n"
 
 
@@ -191,7 +196,7 @@ def test_bulk_density_follows_from_the_solid_fraction(tmp_path):
 @pytest.mark.parametrize(("height", "length"), [(0.01, 0.4), (8.0, 20.0), (0.4, 0.01)])
 def test_columns_of_any_size_have_a_baseline(tmp_path, height, length):
     text = BARE.replace("0.1", str(height)).replace("0.3", str(length))
-    case = load_experiment(write_experiment(tmp_path, text)).case()
+    case = load_experiment(write_experiment(tmp_path, text, **STOP_ALONE)).case()
     assert case.geometry.height_0 == height
     assert 4 <= height / case.grid.cell_size <= 160
 
@@ -206,7 +211,7 @@ def test_run_lasts_to_the_last_measurement(tmp_path):
 
 def test_base_that_does_not_fit_names_the_experiment(tmp_path):
     low = SETTINGS.replace("height_0 = 0.14", "height_0 = 0.02")
-    experiment = load_experiment(write_experiment(tmp_path, low))
+    experiment = load_experiment(write_experiment(tmp_path, low, **STOP_ALONE))
     with pytest.raises(CaseError, match=r"experiment.toml: grid.cell_size: found 0.006"):
         experiment.case(Case())
 

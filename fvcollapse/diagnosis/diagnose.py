@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from fvcollapse.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
@@ -13,6 +14,7 @@ from fvcollapse.diagnosis.findings import report_of
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
+from fvcollapse.diagnosis.oddities import oddities_of, tell
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.reduction import climb
 from fvcollapse.diagnosis.report import Cost, read_report, write_report
@@ -43,7 +45,8 @@ def diagnose(
     """Diagnose the gap between experiments and the model that is believed.
 
     All runs go through the cache of runs: an interrupted diagnosis continues where it was with the same
-    call, and the next one with the same set-up finds most of its runs done.
+    call, and the next one with the same set-up finds most of its runs done. What is odd about an experiment
+    is one line on stderr, before anything is run, and stands in the report.
 
     Parameters
     ----------
@@ -84,10 +87,12 @@ def diagnose(
     if seed < 0:
         raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
     choose_points((*experiments, *hold_out, *controls))  # refuses what is given twice
+    warnings = oddities_of((*experiments, *hold_out, *controls))
     if case is not None and not isinstance(case, Case):
         case = load_case(case)
     if folder is not None:
         make_folder(folder)
+    tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
     analysis = analyse(
         experiments,
@@ -115,6 +120,7 @@ def diagnose(
     )
     baseline = baseline_cases([first], case, cell_size)[first.name]
     report = report_of(analysis, answer, ladder, following, baseline, cost, model)
+    report = replace(report, warnings=warnings)
     if folder is not None:
         report = read_report(write_report(report, folder))
         write_page(report, folder)

@@ -14,6 +14,7 @@ from fvcollapse.diagnosis.controls import SLOPE_APART
 from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import NAMED, UNKNOWN
 from fvcollapse.diagnosis.new_effects import new_hypotheses
+from fvcollapse.diagnosis.oddities import unseen_origins
 from fvcollapse.diagnosis.reduction import (
     closing,
     fold_fractions,
@@ -570,6 +571,7 @@ def limits(analysis, ladder):
             f"The profiles were not weighed: no experiment has {LEAST_FRAMES} of different reach that show "
             "all grains."
         )
+    words += unseen_origins(analysis.experiments)
     words += far_words(ladder)
     if analysis.controls:
         words.append(control_words(analysis))

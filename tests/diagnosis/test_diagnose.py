@@ -1,6 +1,7 @@
 """The whole diagnosis: by formula, through the command line, and with the solver and its cache."""
 
 import json
+import shutil
 from types import SimpleNamespace
 
 import numpy as np
@@ -44,7 +45,12 @@ def folders(tmp_path_factory):
 
 
 def test_the_command_writes_a_report(by_formula, folders, tmp_path, capsys):
-    *fitted, held = map(str, folders)
+    *fitted, held = folders
+    odd = shutil.copytree(held, tmp_path / "odd" / held.name)
+    settings = (odd / "experiment.toml").read_text(encoding="utf-8")
+    settings = settings.replace("mu_1 = 0.45", "mu_1 = 0.45\nsolid_fraction = 0.3")
+    (odd / "experiment.toml").write_text(settings, encoding="utf-8")
+    *fitted, held = map(str, (*fitted, odd))
     out = tmp_path / "out"
     options = ["--effects", EFFECTS, "--hold-out", held, "--out", str(out), "--quiet"]
     assert main(["diagnose", *fitted, *options]) == 0
@@ -59,8 +65,15 @@ def test_the_command_writes_a_report(by_formula, folders, tmp_path, capsys):
     assert report.where
     assert (out / "report.html").stat().st_size > 10_000
     assert list((out / "figures").iterdir())
-    printed = capsys.readouterr().out
+    printed, told = capsys.readouterr()
     assert "lateral friction" in printed
+    (warning,) = report.warnings
+    assert (warning.experiment, warning.key, warning.found) == (
+        "s16_w0.2",
+        "material.solid_fraction",
+        "0.3",
+    )
+    assert told == f"warning: {warning.line()}\n"
     assert str(out / "report.json") in printed
     content = json.loads((out / "report.json").read_text(encoding="utf-8"))
     assert content["experiments"] == ["s10_w0.1", "s16_w0.1"]

@@ -34,6 +34,7 @@ KEYS = {
     "reduction",
     "next_experiment",
     "cost",
+    "warnings",
 }
 
 

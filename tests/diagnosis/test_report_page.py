@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from report_example import EFFECTS, FITTED, HELD_OUT, example
 
 from fvcollapse.diagnosis import report_words as words
+from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.diagnosis.report import (
     BASELINE,
     WINNER,
@@ -354,3 +355,14 @@ def test_outside_of_what_was_tried(report):
 def unknown_of(report):
     """The report with another verdict."""
     return replace(report, verdict=replace(report.verdict, kind="unknown", effects=[]))
+
+
+def test_oddities_stand_above_what_was_compared(page, tmp_path):
+    odd = Oddity("beads", "front.csv", "x_front_m", "0.185", "length_0 = 0.2 m", "X <level>?")
+    report = small(experiments=(FITTED[0],), observables=())
+    told = written(replace(report, warnings=[odd]), tmp_path)
+    assert told.ids.index("warnings") < told.ids.index("compared")
+    words = "beads, front.csv, x_front_m : found 0.185; expected: length_0 = 0.2 m; X <level>?"
+    assert words in told.text
+    assert odd.line() == words.replace("beads, front.csv, x_front_m :", "beads/front.csv: x_front_m:")
+    assert "warnings" not in page.ids

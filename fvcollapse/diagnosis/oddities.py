@@ -1,0 +1,65 @@
+"""What is odd about the experiments themselves, said before anything is computed and again in the report."""
+
+import sys
+
+import msgspec
+
+from fvcollapse.plausibility import oddities
+
+
+class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A number of an experiment that no gap should be explained with before it is checked.
+
+    Attributes
+    ----------
+    experiment, file, key : str
+        Name of the experiment, name of the file in its folder, key or column.
+    found, expected : str
+        With units.
+    likely : str
+        The convention that would explain it, as a question; "" if none does.
+    """
+
+    experiment: str
+    file: str
+    key: str
+    found: str
+    expected: str
+    likely: str = ""
+
+    def line(self):
+        """One line."""
+        end = f"; {self.likely}" if self.likely else ""
+        place = f"{self.experiment}/{self.file}: {self.key}"
+        return f"{place}: found {self.found}; expected: {self.expected}{end}"
+
+
+def oddities_of(experiments):
+    """The `Oddity` list of some experiments."""
+    return [
+        Oddity(one.name, each.file, each.key, each.found, each.allowed, each.likely)
+        for one in experiments
+        for each in oddities(one)
+    ]
+
+
+def tell(warnings):
+    """Write each `Oddity` as one line to stderr."""
+    for each in warnings:
+        print(f"warning: {' '.join(each.line().split())}", file=sys.stderr)
+
+
+def unseen_origins(experiments):
+    """What the measurements cannot show of the origin of X; one sentence, or none."""
+    alone = [
+        one.name
+        for one in experiments
+        if not {"front", "profiles"} & set(one.curves)
+        and any(scalar.name == "runout" for scalar in one.scalars)
+    ]
+    if not alone:
+        return []
+    return [
+        f"The run-out of {', '.join(alone)} stands alone: without a front or a profile at the start nothing shows "
+        "whether X was counted from the back wall, as it must be, or from the gate."
+    ]

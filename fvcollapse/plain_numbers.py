@@ -1,0 +1,39 @@
+"""Numbers in text, as instruments and spreadsheets write them.
+
+Python itself reads more than that: `1_000`, digits of every script, `nan` and `inf`. In a table of
+measurements each of these is a slip.
+"""
+
+import re
+
+WHOLE = re.compile(r"[+-]?[0-9]+")
+DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+DIGITS_MAX = 4000  # Python refuses to read longer whole numbers
+
+
+def decimal_number(text):
+    """The number in a text of ASCII digits, blanks around it allowed.
+
+    The result is infinite where the text names a number beyond 1.8e308.
+
+    Raises
+    ------
+    ValueError
+        The text is anything else.
+    """
+    if not DECIMAL.fullmatch(text.strip()):
+        raise ValueError(f"no number: {text!r}")
+    return float(text)
+
+
+def whole_number(text):
+    """The whole number in a text of ASCII digits, blanks around it allowed.
+
+    Raises
+    ------
+    ValueError
+        The text is anything else.
+    """
+    if not WHOLE.fullmatch(text.strip()) or len(text) > DIGITS_MAX:
+        raise ValueError(f"no whole number: {text!r}")
+    return int(text)

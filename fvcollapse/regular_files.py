@@ -1,0 +1,37 @@
+"""Reading of input from regular files alone.
+
+A named pipe without a writer, a terminal or a device would be waited for without an end.
+"""
+
+import os
+import stat
+from errno import EINVAL
+from pathlib import Path
+
+SPECIAL = {
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def refuse_special(path):
+    """Raise OSError if something that is no file and no folder stands at `path`, or nothing at all."""
+    kind = SPECIAL.get(stat.S_IFMT(os.stat(path).st_mode))
+    if kind is not None:
+        raise OSError(EINVAL, f"{kind}, not a regular file")
+
+
+def read_regular(path):
+    """Bytes of a regular file; links are followed.
+
+    Raises
+    ------
+    OSError
+        There is no such file, it cannot be read, or it is a pipe, a socket, a device or a folder.
+    ValueError
+        The path holds a null character.
+    """
+    refuse_special(path)
+    return Path(path).read_bytes()
