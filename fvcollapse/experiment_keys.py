@@ -8,7 +8,7 @@ import msgspec
 from fvcollapse.case_keys import Section, key, key_table, refusal_of_type
 from fvcollapse.case_rules import rule_finite
 from fvcollapse.errors import InputError
-from fvcollapse.uncertainty import DEFAULTS, MEASURED, Uncertainty
+from fvcollapse.uncertainty import DEFAULTS, Uncertainty
 
 REQUIRED = ("geometry.slope_angle_deg", "geometry.height_0", "geometry.length_0")
 # where a key of the experiment stands in the case; absent = the value in the second column, or
@@ -146,7 +146,7 @@ def settings_from_table(table, path):
         settings = msgspec.convert(table, Settings)
     except msgspec.ValidationError as error:
         raise InputError(path, *refusal_of_type(table, Settings, str(error))) from None
-    for refusal in (*rule_finite(settings), *rule_gate(settings), *rule_errors(settings)):
+    for refusal in (*rule_finite(settings), *rule_gate(settings)):
         raise InputError(path, *refusal)
     return settings
 
@@ -163,10 +163,3 @@ def rule_gate(settings):
     """A speed law has a speed."""
     if settings.gate.time_constant is not None and settings.gate.speed is None:
         yield "gate.time_constant", f"{settings.gate.time_constant:g}", "beside gate.speed"
-
-
-def rule_errors(settings):
-    """What was measured was measured with some error."""
-    for name in MEASURED:
-        if getattr(settings.uncertainty, name) == 0.0:
-            yield f"uncertainty.{name}", "0", "a number > 0"

@@ -83,7 +83,8 @@ LARGEST = {"m": 1000.0, "s": 1000.0, "m/s": 1000.0, "deg": 90.0, "-": 10.0, "kg/
 def stated_key(name):
     """The optional key of one quantity, as msgspec wants it: (name, type, default)."""
     unit, *_ = DEFAULTS[name]
-    limits = key(unit, f"standard deviation of {name}", ge=0, le=LARGEST[unit])
+    least = {"gt": 0} if name in MEASURED else {"ge": 0}
+    limits = key(unit, f"standard deviation of {name}", **least, le=LARGEST[unit])
     return name, Annotated[float, limits] | None, None
 
 

@@ -58,12 +58,15 @@ def separability(covariance, kernel, responses, at=None, sigma=DISCREPANCY):
     covariance, kernel : (N, N) arrays
         U and K_delta.
     responses : dict
-        Name -> `Response`, or a sequence of them of which the first counts.
+        Name -> `Response`, or a sequence of them of which the first counts; empty where nothing that was
+        measured changes with any effect.
     at : dict, optional
         Name -> quantiles (d,) of the parameters; default: the median of every prior.
     sigma : float
         Discrepancy s.
     """
+    if not responses:
+        return Separability((), *np.zeros((2, 0, 0)), *np.zeros((2, 0)), (), ())
     at, names, columns = at or {}, tuple(responses), []
     for name, given in responses.items():
         response = given[0] if isinstance(given, list | tuple) else given

@@ -82,3 +82,10 @@ def test_null_test_flags_what_looks_like_a_mis_calibration():
     assert shares["ignored"]["alike"] >= 0.3
     assert shares["ignored"].get("none", 0.0) <= 0.4
     assert shares["marginalised"]["none"] >= 0.6
+
+
+def test_no_effect_that_shows_leaves_nothing_to_separate():
+    found = separability(np.eye(3), np.zeros((3, 3)), {})
+    assert found.names == found.classes == found.insufficient == ()
+    assert found.cosine.shape == found.distance.shape == (0, 0)
+    assert found.snr.shape == found.unique_snr.shape == (0,)
