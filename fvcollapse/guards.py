@@ -34,6 +34,7 @@ from .errors import LimitReached, NumericalError
 from .step.erodible_bed import layer_thickness
 from .step.gate import gate_lift, gate_velocity
 
+WATCHED = ("relative_volume", "max_speed")  # the series that the guards read
 VOLUME_LIMIT = 0.1  # of the volume at the start
 SPEED_LIMIT = 3.0  # of the speed of free fall
 ENERGY_LIMIT = 0.1  # of the potential energy of the column above the bed
@@ -65,7 +66,7 @@ class Guards:
         simulation : Simulation
             After a step.
         row : dict
-            Values of the series at this moment: relative_volume, max_speed.
+            Values at this moment of the series `WATCHED`.
 
         Raises
         ------
