@@ -1,9 +1,10 @@
 """One step of a run, guarded and recorded, and what a failure makes of the run."""
 
 import time
+from math import inf
 
 from fvcollapse.errors import LimitReached, named_failure
-from fvcollapse.guards import Guards, refuse_step
+from fvcollapse.guards import WATCHED, Guards, refuse_step
 from fvcollapse.recorder import SAME_TIME
 from fvcollapse.trust import FAILED, STOPPED, trust_of
 
@@ -41,7 +42,7 @@ def guarded_step(simulation, recorder, guards, landing):
         record = simulation.advance(landing.time)
         recorder.add_step(record, time.perf_counter() - start)
         recorder.add_series(simulation)
-        guards.check(simulation, {name: values[-1] for name, values in recorder.series.items()})
+        guards.check(simulation, {name: recorder.series[name][-1] for name in WATCHED})
         if simulation.state.time >= landing.time - SAME_TIME:
             recorder.add_snapshot(simulation, landing)
         return record, simulation.state.copy()
@@ -51,23 +52,25 @@ def guarded_step(simulation, recorder, guards, landing):
 
 
 def recorded(recorder):
-    """How much has been recorded: numbers of rows, profiles and fields."""
-    fields = len(recorder.store["fields"])
-    return len(recorder.series["time"]), len(recorder.profile_times), fields
+    """How much has been recorded: numbers of rows and profiles."""
+    return len(recorder.series["time"]), len(recorder.profile_times)
 
 
 def rewind(recorder, mark):
     """Drop what was recorded since `recorded(recorder)` was `mark`."""
-    rows, profiles, fields = mark
+    rows, profiles = mark
     for values in recorder.series.values():
         del values[rows:]
     for values in recorder.steps.values():
         del values[rows - 1 :]
     for values in (recorder.profile_times, *recorder.profiles.values()):
         del values[profiles:]
-    for name in ("fields", "paraview"):
-        for index in [index for index in recorder.store[name] if int(index) >= fields]:
-            del recorder.store[name][index]
+    reached = recorder.series["time"][-1]
+    fields = recorder.store["fields"]
+    for index in [index for index in fields if not fields[index].attrs.get("time", inf) <= reached]:
+        for name in ("fields", "paraview"):
+            if index in recorder.store[name]:
+                del recorder.store[name][index]
 
 
 def trust_of_record(recorder, status, case):

@@ -31,7 +31,13 @@ from fvcollapse.workers import refuse_workers, run_all
 TABLE = "sweep.csv"
 POINTS_MAX = 100_000
 NAME_MAX = 120  # characters of the name of a folder
-SHOWN = ("runout", "runout_10mm", "final_thickness", "arrest_time")  # printed; the table has all
+SHOWN = (
+    "runout",
+    "runout_10mm",
+    "final_thickness",
+    "arrest_time",
+    "trust",
+)  # printed; the table has all
 
 
 class Point(NamedTuple):

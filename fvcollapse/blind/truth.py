@@ -15,6 +15,7 @@ from fvcollapse.observables import observe
 from fvcollapse.output import Job
 from fvcollapse.result import Result, open_result
 from fvcollapse.simulation import Simulation
+from fvcollapse.trust import COMPLETE
 
 SEEDS = 2**31  # of the scatter of jumping grains
 
@@ -72,7 +73,7 @@ def run_truth(case, forces):
     job = ForcedJob(case, forces) if forces else Job(case)
     with progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
-    return open_image(extract_image(Result(io.BytesIO(job.result_image(complete=True)))))
+    return open_image(extract_image(Result(io.BytesIO(job.result_image(COMPLETE)))))
 
 
 def keep_truth(case_text, forces, path):

@@ -28,7 +28,7 @@ from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
-from fvcollapse.errors import CaseError, InputError, NumericalError
+from fvcollapse.errors import CaseError, InputError, NumericalError, failures_named
 from fvcollapse.observables import observe
 
 # cells of the coarser grid, in the height and in the length of the column at least
@@ -336,13 +336,17 @@ class Runner:
         self.asked |= set(places.values())
         self.computed |= missing
         runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
-        seen = {}
+        seen, failures = {}, dict(runs.failures)
         for label, result in runs.results.items():
             experiment, case = wanted[label]
             view = copy(result)
             view.case = case.replace(**{"time.end": result.case.time.end})
-            seen[label] = observe(view, experiment)
-        return seen, runs.failures
+            try:
+                with failures_named():
+                    seen[label] = observe(view, experiment)
+            except NumericalError as error:
+                failures[label] = error
+        return seen, failures
 
 
 @dataclass(frozen=True)

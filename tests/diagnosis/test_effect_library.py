@@ -17,6 +17,7 @@ from fvcollapse.diagnosis.effect_library import (
     closures_of,
     design,
     draw,
+    ensemble_runs,
     flow_case,
     nuisances,
     refined,
@@ -323,6 +324,19 @@ def test_failed_runs_cost_a_draw_or_an_effect_not_the_diagnosis(experiments, cas
     found = build_library(experiments[:2], cases, Failing(fails), ["cohesion", "gate"], draws=4)
     assert set(found.responses) == {"gate"}
     assert "3 of its 4 runs fail: it blew up" in found.left_out["cohesion"]
+
+
+def test_a_draw_that_is_no_legal_case_is_a_failed_draw(experiments, cases):
+    """mu_2 = mu_1 has no well-posed range, which the regularised law needs."""
+    one = experiments[0]
+    case = cases[one.name].replace(**{"rheology.law": "mu_I_regularised"})
+    quantities = nuisances((one,), {one.name: case})
+    z = np.zeros((3, len(quantities)))
+    z[1, [quantity.key for quantity in quantities].index("rheology.mu_1")] = 40.0
+    drawn, refused = ensemble_runs((one,), {one.name: case}, quantities, z)
+    assert [label[1] for label in drawn] == [0, 2]
+    assert [label[1] for label in refused] == [1]
+    assert "rheology.mu_1 cannot be" in str(refused["draw", 1, one.name])
 
 
 @pytest.mark.parametrize("what", ["fine", "coarse"])
