@@ -8,11 +8,11 @@ from importlib import import_module
 from fvcollapse.version import __version__
 
 PUBLIC = {
-    "load_case": "case",
-    "run": "output",
-    "open_result": "result",
-    "observe": "observables",
-    "load_experiment": "experiment",
+    "load_case": "case.case",
+    "run": "output.run",
+    "open_result": "output.result",
+    "observe": "measure.observables",
+    "load_experiment": "measure.experiment",
     "diagnose": "diagnosis.diagnose",
 }
 __all__ = ["__version__", *PUBLIC]

@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError, one_line, refuse_bad_target
-from fvcollapse.plain_numbers import decimal_number, whole_number
+from fvcollapse.files.plain_numbers import decimal_number, whole_number
 from fvcollapse.version import __version__
 
 
@@ -91,10 +91,10 @@ def add_run(commands):
 
 def run(arguments):
     """Run one simulation and print its summary."""
-    from fvcollapse.case import load_case
+    from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    from fvcollapse.output import run_case  # heavy, and not needed to refuse a bad case
+    from fvcollapse.output.run import run_case  # heavy, and not needed to refuse a bad case
 
     folder = arguments.out or Path("out") / arguments.case.stem
     result = run_case(case, folder, resume=arguments.resume, quiet=arguments.quiet)
@@ -122,7 +122,7 @@ def plot(arguments):
     folders = [arguments.out] * len(results)
     if arguments.out and len(results) > 1:
         folders = [arguments.out / name for name in distinct_names(results)]
-    from fvcollapse.pictures import draw_all
+    from fvcollapse.draw.pictures import draw_all
 
     for result, folder in zip(results, folders, strict=True):
         for path in draw_all(result, folder or result.parent / "pictures"):
@@ -201,12 +201,12 @@ def add_converge(commands):
 
 def converge(arguments):
     """Run a case at three or more values of one parameter; print and write the convergence."""
-    from fvcollapse.case import load_case
+    from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
     refuse_bad_target(arguments.json)
-    from fvcollapse.refinement import AXES, refine
-    from fvcollapse.refinement_report import table, write_report
+    from fvcollapse.studies.refinement import AXES, refine
+    from fvcollapse.studies.refinement_report import table, write_report
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
     values = getattr(arguments, axis)
@@ -249,7 +249,7 @@ def add_bench(commands):
 def bench(arguments):
     """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
     refuse_bad_target(arguments.json)
-    from fvcollapse.bench import run_bench, table
+    from fvcollapse.studies.bench import run_bench, table
 
     report = run_bench(
         arguments.names,
@@ -301,10 +301,10 @@ def add_sweep(commands):
 
 def sweep(arguments):
     """Run a case at all combinations of values; continue what is there; write sweep.csv."""
-    from fvcollapse.case import load_case
+    from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    from fvcollapse.sweep import TABLE, parse_variation, sweep, table
+    from fvcollapse.studies.sweep import TABLE, parse_variation, sweep, table
 
     variations = {}
     for text in arguments.variations:
@@ -546,7 +546,7 @@ def add_import_curves(commands):
 
 def import_curves(arguments):
     """Write digitised curves (x, y without header; any column and decimal mark) as an experiment."""
-    from fvcollapse.digitised import Source, missing_settings, write_experiment
+    from fvcollapse.measure.digitised import Source, missing_settings, write_experiment
 
     sources = [
         Source(name, path, None)
@@ -590,9 +590,9 @@ def add_keys(commands):
 def keys(arguments):
     """Print every key of the case file with its default, unit, range and meaning."""
     if arguments.experiment:
-        from fvcollapse.experiment_keys import describe_keys
+        from fvcollapse.measure.experiment_keys import describe_keys
     else:
-        from fvcollapse.case import describe_keys
+        from fvcollapse.case.case import describe_keys
 
     rows = [("key", "default", "unit", "meaning; allowed")]
     rows += [

@@ -11,23 +11,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .case import GRAVITY
-from .effects import with_effects
-from .errors import NumericalError
-from .grid import Grid, gate_column
-from .guards import refuse_growth
-from .state import crop, grow
-from .step import coupled, level_set, quantities
-from .step.arrays import largest
-from .step.balance import SPEED_SCALE, balance_of
-from .step.banded import allocate_system, clear
-from .step.dilatancy import initial_fraction, limit_dilatancy
-from .step.energy import Outflow, loss_of_step, work_of_step
-from .step.erodible_bed import extend_layer, layer_thickness, moves_near_end
-from .step.extrapolation import LAYERS, SOLENOIDAL_LAYERS, close_divergence, extrapolate, mark_known
-from .step.gate import gate_height, gate_lift, hold_at_gate, open_fractions
-from .step.geometry import allocate_geometry, repeat_columns, wetted_edge
-from .step.grain_response import (
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.effects.catalogue import with_effects
+from fvcollapse.errors import NumericalError
+from fvcollapse.step import coupled, level_set, quantities
+from fvcollapse.step.arrays import largest
+from fvcollapse.step.balance import SPEED_SCALE, balance_of
+from fvcollapse.step.banded import allocate_system, clear
+from fvcollapse.step.dilatancy import initial_fraction, limit_dilatancy
+from fvcollapse.step.energy import Outflow, loss_of_step, work_of_step
+from fvcollapse.step.erodible_bed import extend_layer, layer_thickness, moves_near_end
+from fvcollapse.step.extrapolation import (
+    LAYERS,
+    SOLENOIDAL_LAYERS,
+    close_divergence,
+    extrapolate,
+    mark_known,
+)
+from fvcollapse.step.gate import gate_height, gate_lift, hold_at_gate, open_fractions
+from fvcollapse.step.geometry import allocate_geometry, repeat_columns, wetted_edge
+from fvcollapse.step.grain_response import (
     carry_response,
     extend_response,
     finish_response,
@@ -35,19 +38,22 @@ from .step.grain_response import (
     response_of,
     start_response,
 )
-from .step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
-from .step.lateral_friction import brake_before_solve
-from .step.momentum import advect_momentum
-from .step.place import place
-from .step.rheology import material
-from .step.time_step import (
+from fvcollapse.step.grid import Grid, gate_column
+from fvcollapse.step.guards import refuse_growth
+from fvcollapse.step.initial import HALO, MARGIN, initial_grid, initial_state, initial_volume
+from fvcollapse.step.lateral_friction import brake_before_solve
+from fvcollapse.step.momentum import advect_momentum
+from fvcollapse.step.place import place
+from fvcollapse.step.rheology import material
+from fvcollapse.step.state import crop, grow
+from fvcollapse.step.time_step import (
     fit_to,
     limit_advection,
     limit_gate,
     limit_surface_wave,
     shortest,
 )
-from .step.transverse_profile import shape_factor_of
+from fvcollapse.step.transverse_profile import shape_factor_of
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # change of the last sweep, relative to the largest speed, that refuses a step
@@ -409,7 +415,9 @@ class Simulation:
             u_star, w_star = u_star + impulse[0], w_star + impulse[1]
         if self.case.numerics.method == "coupled":
             return self._solve_coupled(u_star, w_star, balance)
-        from .step import projection  # sparse matrices of scipy, for the reference method only
+        from fvcollapse.step import (
+            projection,  # sparse matrices of scipy, for the reference method only
+        )
 
         return projection.solve(
             self.state,

@@ -8,10 +8,10 @@ Reads runs/convergence/<study>.json and writes plots/figures/convergence_<study>
 import json
 from pathlib import Path
 
-from fvcollapse.case import load_case
-from fvcollapse.refinement import AXES
-from fvcollapse.refinement_figure import draw_png
-from fvcollapse.refinement_report import label
+from fvcollapse.case.case import load_case
+from fvcollapse.studies.refinement import AXES
+from fvcollapse.studies.refinement_figure import draw_png
+from fvcollapse.studies.refinement_report import label
 
 ROOT = Path(__file__).parents[1]
 STUDIES = ROOT / "runs/convergence"

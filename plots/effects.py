@@ -6,8 +6,8 @@ python -m plots.effects [FOLDER OF THE TABLES]
 import sys
 from pathlib import Path
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
-from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL
 from plots.paper_style import FIGURES, key, panels, write_picture
 from runs.table import CURVES, RUNS, as_line, read_table
 

@@ -3,7 +3,7 @@
 python -m plots.paper_closure
 """
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import PURPLE, draw_line, main, panels, save
 
 CLOSURES = {

@@ -3,7 +3,7 @@
 python -m plots.paper_deposits
 """
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import PURPLE, draw_line, finish_profile, main, panels, save
 
 LAWS = {

@@ -3,7 +3,7 @@
 python -m plots.paper_domain
 """
 
-from fvcollapse.drawing import BLUE
+from fvcollapse.draw.drawing import BLUE
 from plots.paper_style import (
     PURPLE,
     WIDTH_NAME,

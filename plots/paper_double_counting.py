@@ -3,7 +3,7 @@
 python -m plots.paper_double_counting
 """
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import WIDTH_NAME, main, panels, save
 
 SETS = {

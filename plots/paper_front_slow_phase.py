@@ -3,7 +3,7 @@
 python -m plots.paper_front_slow_phase
 """
 
-from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE
 from plots.paper_style import (
     ABOUT_VELOCITY,
     END,

@@ -3,7 +3,7 @@
 python -m plots.paper_pressure
 """
 
-from fvcollapse.drawing import BLUE, GREY, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREY, ORANGE
 from plots.paper_style import WIDTH_NAME, main, panels, percent, save
 
 STATIONS = (0.1, 0.25, 0.4, 0.6)  # m

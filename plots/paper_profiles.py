@@ -3,7 +3,7 @@
 python -m plots.paper_profiles
 """
 
-from fvcollapse.drawing import BLUE, ORANGE
+from fvcollapse.draw.drawing import BLUE, ORANGE
 from plots.paper_style import WIDTH_NAME, draw_line, key, main, panels, save
 
 FIGURES = {  # number: (slope, times at w = 10 cm, at w = 20 cm)

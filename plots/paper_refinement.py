@@ -5,7 +5,7 @@ python -m plots.paper_refinement
 
 from matplotlib.colors import LogNorm
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import YELLOW, main, panels, save
 from plots.paper_viscosity_field import as_grid
 

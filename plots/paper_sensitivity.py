@@ -3,7 +3,7 @@
 python -m plots.paper_sensitivity
 """
 
-from fvcollapse.drawing import BLUE, GREEN, ORANGE
+from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
 from plots.paper_style import GREY, main, panels, save
 from runs.table import LABELS, read_table
 

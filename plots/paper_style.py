@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
+from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
 from runs.table import FINE, RUNS, VELOCITY, MissingRun, Tables
 
 FIGURES = Path(__file__).parent / "figures"

@@ -6,7 +6,7 @@ python -m plots.paper_viscosity_field
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from fvcollapse.drawing import ORANGE
+from fvcollapse.draw.drawing import ORANGE
 from plots.paper_style import main, panels, save
 
 SLOPES = (0, 10, 16, 22)

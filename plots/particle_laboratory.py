@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fvcollapse.drawing import BLUE, GREY, new_figure, png
-from fvcollapse.files import write_atomic
+from fvcollapse.draw.drawing import BLUE, GREY, new_figure, png
+from fvcollapse.files.storage import write_atomic
 from runs.table import RUNS, read_table
 
 HERE = Path(__file__).parent

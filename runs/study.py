@@ -18,12 +18,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from fvcollapse.cache import RunCache, default_folder
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.members import run_member, run_members
-from fvcollapse.output import RESULT
-from fvcollapse.result import open_result
+from fvcollapse.output.result import open_result
+from fvcollapse.output.run import RESULT
+from fvcollapse.studies.cache import RunCache, default_folder
+from fvcollapse.studies.members import run_member, run_members
 from runs.table import RUNS, read_table, write_table
 
 COST = "cpu_s.txt"  # CPU time of all parts of a run [s], the resumed ones added
@@ -266,7 +266,7 @@ def add_rows(path, rows):
 
 
 def run_cached(cases, options):
-    """{name: Result} of {name: Case} through the cache of runs; results are thinned (see `fvcollapse.cache`).
+    """{name: Result} of {name: Case} through the cache of runs; results are thinned (see `fvcollapse.studies.cache`).
 
     Raises
     ------

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
-from fvcollapse.state import FIELDS
+from fvcollapse.step.state import FIELDS
 
 CELL = 0.02  # m
 COLUMN = {"grid.cell_size": CELL, "geometry.channel_width": 0.10, "geometry.slope_angle_deg": 16.0}

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.grid import Grid
-from fvcollapse.state import FIELDS, SCALARS, State, location_shape
 from fvcollapse.step.geometry import cell_fractions
+from fvcollapse.step.grid import Grid
+from fvcollapse.step.state import FIELDS, SCALARS, State, location_shape
 
 SPREAD, TAU = 0.5, 0.1
 

@@ -60,7 +60,7 @@ def tell_process_and_sleep(folder):
 
 
 def run_two_sleepers(folder):
-    from fvcollapse.workers import run_all
+    from fvcollapse.studies.workers import run_all
 
     calls = {n: (folder,) for n in range(2)}
     run_all(tell_process_and_sleep, calls, lambda name, outcome: None, workers=2)
@@ -78,7 +78,8 @@ def die_always():
 
 def checkpoint_often():
     """Let this process write a checkpoint every 0.3 s."""
-    from fvcollapse import members, output
+    from fvcollapse.output import run as output
+    from fvcollapse.studies import members
 
     members.run_case = partial(output.run_case, checkpoint_interval=0.3)
     output.SAVING_SHARE = 1.0
@@ -86,7 +87,7 @@ def checkpoint_often():
 
 def run_with_many_checkpoints(case, folder):
     """`run_member`; tells in which process it runs."""
-    from fvcollapse import members
+    from fvcollapse.studies import members
 
     checkpoint_often()
     folder = Path(folder)
@@ -101,7 +102,7 @@ def fill_cache(folder, cases):
     """Run all cases into a cache; tell the log of every run before its folder goes."""
     import shutil
 
-    from fvcollapse import cache
+    from fvcollapse.studies import cache
 
     def tell_and_remove(work, ignore_errors):
         path = Path(work) / "run.log"

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse import open_result, output
-from fvcollapse.case import GRAVITY, Case
-from fvcollapse.effects import CATALOGUE
+from fvcollapse import open_result
+from fvcollapse.case.case import GRAVITY, Case
+from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import CaseError, NumericalError
-from fvcollapse.trust import largest_drift
+from fvcollapse.output import run as output
+from fvcollapse.output.trust import largest_drift
 
 INF = math.inf
 LAWS = ("mu_I", "drucker_prager", "bingham", "newtonian", "mu_I_regularised")

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from fvcollapse import bench
-from fvcollapse.case import Case
-from fvcollapse.effects import CATALOGUE, PHYSICAL
+from fvcollapse.case.case import Case
+from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
 from fvcollapse.errors import InputError
 from fvcollapse.simulation import Simulation
+from fvcollapse.studies import bench
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.02, "effects.lateral_friction": {}})
 

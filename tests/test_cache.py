@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 
-from fvcollapse import cache, observe, open_result, output
-from fvcollapse.cache import RunCache, cache_key, default_folder
-from fvcollapse.case import Case
+from fvcollapse import observe, open_result
+from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
-from fvcollapse.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
-from fvcollapse.recorder import SERIES, STEPS
-from fvcollapse.result import Profiles
-from fvcollapse.trust import Trust
+from fvcollapse.output import run as output
+from fvcollapse.output.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
+from fvcollapse.output.recorder import SERIES, STEPS
+from fvcollapse.output.result import Profiles
+from fvcollapse.output.trust import Trust
+from fvcollapse.studies import cache
+from fvcollapse.studies.cache import RunCache, cache_key, default_folder
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
 

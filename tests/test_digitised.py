@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from fvcollapse import digitised, load_experiment
+from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
-from fvcollapse.digitised import read_pairs
-from fvcollapse.digitised_table import STYLES
 from fvcollapse.errors import InputError, OutputError
+from fvcollapse.measure import digitised
+from fvcollapse.measure.digitised import read_pairs
+from fvcollapse.measure.digitised_table import STYLES
 
 EXPORTS = Path(__file__).parent / "conventions" / "tool_exports"
 POINTS = [(0.0, 20.0), (0.05, 21.5), (0.1, -1.25e-3)]

@@ -4,8 +4,8 @@ import pytest
 from fake_simulation import FakeSimulation
 from PIL import Image
 
-from fvcollapse import output
-from fvcollapse.effects import CATALOGUE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE, OBSERVATION
+from fvcollapse.output import run as output
 from plots import effects as figures
 from runs.effects import study
 from runs.table import CURVES, read_table

@@ -8,15 +8,16 @@ import pytest
 from experiment_folder import SETTINGS, write_experiment
 from fake_simulation import FakeSimulation
 
-from fvcollapse import load_experiment, observe, output
+from fvcollapse import load_experiment, observe
 from fvcollapse.__main__ import main
-from fvcollapse.align import align, on_points
-from fvcollapse.case import Case
-from fvcollapse.case_keys import key_table
+from fvcollapse.case.case import Case
+from fvcollapse.case.grammar import key_table
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.experiment import read_settings, strip_truth
-from fvcollapse.experiment_keys import CASE_KEYS, Settings
-from fvcollapse.uncertainty import DEFAULTS
+from fvcollapse.measure.align import align, on_points
+from fvcollapse.measure.experiment import read_settings, strip_truth
+from fvcollapse.measure.experiment_keys import CASE_KEYS, Settings
+from fvcollapse.measure.uncertainty import DEFAULTS
+from fvcollapse.output import run as output
 
 # measurements that suit a column of any size
 STOP_ALONE = dict.fromkeys(("front", "profiles", "volume", "interface")) | {

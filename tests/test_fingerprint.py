@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import fvcollapse
-from fvcollapse.effects import CATALOGUE
-from fvcollapse.fingerprint import ROOTS, solver_code, solver_digest, solver_version
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.output.fingerprint import ROOTS, solver_code, solver_digest, solver_version
 
 # a solver in small, with the roots of the true one
 FILES = {

@@ -4,15 +4,17 @@ import math
 
 import pytest
 
-from fvcollapse import guards, open_result, output
+from fvcollapse import open_result
 from fvcollapse.__main__ import main
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import LimitReached, NumericalError
-from fvcollapse.guards import Guards
-from fvcollapse.recorder import Landing, Recorder
+from fvcollapse.output import run as output
+from fvcollapse.output.recorder import Landing, Recorder
+from fvcollapse.output.trust import Trust, trust_of
 from fvcollapse.simulation import Simulation
+from fvcollapse.step import guards
+from fvcollapse.step.guards import Guards
 from fvcollapse.step.time_step import shortest
-from fvcollapse.trust import Trust, trust_of
 
 COARSE = {"grid.cell_size": 0.02, "time.end": 0.05, "geometry.channel_width": math.inf}
 

@@ -18,11 +18,11 @@ from same_result import differences
 
 from fvcollapse import open_result
 from fvcollapse.__main__ import main
-from fvcollapse.cache import RunCache
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import NumericalError
-from fvcollapse.members import run_member
-from fvcollapse.workers import run_all
+from fvcollapse.studies.cache import RunCache
+from fvcollapse.studies.members import run_member
+from fvcollapse.studies.workers import run_all
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).resolve().parents[1]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 
-from fvcollapse import observables
-from fvcollapse.case import Case
-from fvcollapse.grid import Grid
-from fvcollapse.state import State
+from fvcollapse.case.case import Case
+from fvcollapse.measure import observables
+from fvcollapse.step.grid import Grid
+from fvcollapse.step.state import State
 
 
 def plane_level_set(grid, height, slope=0.0):

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from fvcollapse.case import GRAVITY, Case
+from fvcollapse.case.case import GRAVITY, Case
 from plots import paper, paper_front_slow_phase
 from runs import table
 from runs.paper import cases, extract, measures, members, pressure, statements, study
@@ -381,7 +381,7 @@ def test_study_writes_tables_and_runs_nothing_twice(short, tmp_path, monkeypatch
     assert found.line("muI_a22_w10", "front_m").values[0] == pytest.approx(0.2, abs=0.002)
     assert found.line("muI_a22_w10", "thickness_mm", 0.1).values.max() > 100.0
     first = (tmp_path / "lateral_friction" / table.CURVES).read_bytes()
-    monkeypatch.setattr("fvcollapse.output.Simulation", None)  # a second run would need it
+    monkeypatch.setattr("fvcollapse.output.run.Simulation", None)  # a second run would need it
     assert study_in(tmp_path) == 0
     assert (tmp_path / "lateral_friction" / table.CURVES).read_bytes() == first
 

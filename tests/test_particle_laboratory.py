@@ -9,7 +9,7 @@ import pytest
 from toy_laboratory import collapse, film
 
 from fvcollapse import load_case, load_experiment
-from fvcollapse.align import align
+from fvcollapse.measure.align import align
 from plots import particle_laboratory as figures
 from runs.particle_laboratory import study
 from runs.table import write_table

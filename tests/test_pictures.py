@@ -8,9 +8,11 @@ import pytest
 from fake_simulation import FakeSimulation
 from PIL import Image
 
-from fvcollapse import drawing, open_result, output, pictures
-from fvcollapse.case import Case
+from fvcollapse import open_result
+from fvcollapse.case.case import Case
+from fvcollapse.draw import drawing, pictures
 from fvcollapse.errors import InputError, OutputError
+from fvcollapse.output import run as output
 
 NAMES = {
     "profiles.png",

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from fvcollapse.__main__ import main
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.errors import InputError
-from fvcollapse.plain_numbers import decimal_number, whole_number
-from fvcollapse.regular_files import read_regular
-from fvcollapse.result import open_result
+from fvcollapse.files.plain_numbers import decimal_number, whole_number
+from fvcollapse.files.regular import read_regular
+from fvcollapse.output.result import open_result
 
 NO_NUMBERS = [
     "",

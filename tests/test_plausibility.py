@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from fvcollapse import load_experiment
-from fvcollapse.curves import Curve, Scalar
 from fvcollapse.errors import InputError
-from fvcollapse.experiment import Experiment
-from fvcollapse.experiment_keys import settings_from_table
-from fvcollapse.plausibility import findings, oddities, refuse_impossible
-from fvcollapse.plausibility.finding import ERROR, WARNING
+from fvcollapse.measure.curves import Curve, Scalar
+from fvcollapse.measure.experiment import Experiment
+from fvcollapse.measure.experiment_keys import settings_from_table
+from fvcollapse.measure.plausibility import findings, oddities, refuse_impossible
+from fvcollapse.measure.plausibility.finding import ERROR, WARNING
 
 CASES = Path(__file__).parent / "conventions"
 SHIPPED = Path(__file__).parents[1] / "runs" / "experiments"

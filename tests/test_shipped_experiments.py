@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fvcollapse import load_experiment
-from fvcollapse.curves import FORMS
+from fvcollapse.measure.curves import FORMS
 from runs.experiments import convert, make_examples
 
 SHIPPED = Path(convert.__file__).parent

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 
-from fvcollapse import output
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import NumericalError
+from fvcollapse.output import run as output
 from runs.study import (
     COST,
     Study,

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 
-from fvcollapse import open_result, output
+from fvcollapse import open_result
 from fvcollapse.__main__ import main
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
-from fvcollapse.sweep import all_points, parse_variation, point_name
+from fvcollapse.output import run as output
+from fvcollapse.studies.sweep import all_points, parse_variation, point_name
 
 VARY = ["--vary", "geometry.slope_angle_deg=0,16", "--vary", "rheology.mu_1=0.4,0.45,0.5"]
 

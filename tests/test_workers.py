@@ -13,11 +13,11 @@ from pathlib import Path
 import fake_tasks
 import pytest
 
-from fvcollapse import workers
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.files import exclusive
-from fvcollapse.fingerprint import solver_version
-from fvcollapse.workers import ATTEMPTS, run_all
+from fvcollapse.files.storage import exclusive
+from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.studies import workers
+from fvcollapse.studies.workers import ATTEMPTS, run_all
 
 
 def outcomes(task, calls, **options):

@@ -8,10 +8,10 @@ from math import cos, inf, radians, sqrt, tan
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
-from fvcollapse.curves import FORMS, curve_text
-from fvcollapse.effects import with_effects
-from fvcollapse.observables import Observations
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.effects.catalogue import with_effects
+from fvcollapse.measure.curves import FORMS, curve_text
+from fvcollapse.measure.observables import Observations
 
 TIMES = np.linspace(0.0, 1.6, 81)
 PLACES = np.linspace(0.0, 1.4, 141)
@@ -115,7 +115,7 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
     **changes
         Keys of the true material that differ from what is stated: mu_1=0.47, ...
     """
-    from fvcollapse.experiment import load_experiment
+    from fvcollapse.measure.experiment import load_experiment
 
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "experiment.toml").write_text(settings(slope, width), encoding="utf-8")

@@ -12,9 +12,9 @@ import numpy as np
 
 from fvcollapse.blind.measurement import Errors
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
-from fvcollapse.effects import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import CaseError
 
 TRIES = 200  # of values that fit together

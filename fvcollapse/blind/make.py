@@ -23,13 +23,13 @@ from fvcollapse.blind.generator import (
 )
 from fvcollapse.blind.measurement import film
 from fvcollapse.blind.truth import keep_truth, view_of
-from fvcollapse.case import case_from_text
-from fvcollapse.case_keys import read_text
+from fvcollapse.case.case import case_from_text
+from fvcollapse.case.grammar import read_text
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.experiment import SETTINGS
-from fvcollapse.files import write_atomic
-from fvcollapse.fingerprint import solver_version
-from fvcollapse.workers import refuse_workers, run_all
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.experiment import SETTINGS
+from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.studies.workers import refuse_workers, run_all
 
 LABELS_FORMAT, SEAL_FORMAT = "fvcollapse-labels", "fvcollapse-seal"
 FORMAT_VERSION = 1

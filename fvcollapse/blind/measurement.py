@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.align import on_points
-from fvcollapse.curves import FORMS, csv_text
+from fvcollapse.measure.align import on_points
+from fvcollapse.measure.curves import FORMS, csv_text
 
 FRAME = 0.04  # s between frames
 SPACING = 0.01  # m between places

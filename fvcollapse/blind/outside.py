@@ -10,8 +10,8 @@ from math import cos, radians
 import numpy as np
 from scipy.integrate import trapezoid
 
-from fvcollapse.case import GRAVITY
-from fvcollapse.observables import front_position
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.measure.observables import front_position
 
 REST = 0.05  # m/s; friction of a force rises linearly up to this speed, so that rest stays rest
 BRAKE_MAX = 0.5  # largest part of the velocity that a force takes in one step

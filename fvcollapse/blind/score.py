@@ -27,11 +27,11 @@ from fvcollapse.blind.metrics import (
     ranking,
     reduction_scores,
 )
-from fvcollapse.case_keys import closest_name, read_text
+from fvcollapse.case.grammar import closest_name, read_text
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
-from fvcollapse.effects import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
-from fvcollapse.files import write_atomic
+from fvcollapse.files.storage import write_atomic
 
 VERDICTS = (*NAMED, NONE, UNKNOWN)
 SUM_TOLERANCE = 1.0e-3

@@ -26,10 +26,10 @@ from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.experiment import SETTINGS, load_experiment
-from fvcollapse.files import write_atomic
-from fvcollapse.fingerprint import solver_version
-from fvcollapse.workers import run_all
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.experiment import SETTINGS, load_experiment
+from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.studies.workers import run_all
 
 FORMAT = "fvcollapse-evidence"
 SHARES = {NONE: 1.5, UNKNOWN: 1.5, SEVERAL: 1.0}  # cases of a class over those of an effect

@@ -5,17 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.align import as_grid
 from fvcollapse.blind.outside import brake, read_wrongly
-from fvcollapse.case import case_from_text
-from fvcollapse.console import progress_bar
-from fvcollapse.extract import extract_image, open_image
-from fvcollapse.files import write_atomic
-from fvcollapse.observables import observe
-from fvcollapse.output import Job
-from fvcollapse.result import Result, open_result
+from fvcollapse.case.case import case_from_text
+from fvcollapse.console.terminal import progress_bar
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.align import as_grid
+from fvcollapse.measure.observables import observe
+from fvcollapse.output.extract import extract_image, open_image
+from fvcollapse.output.result import Result, open_result
+from fvcollapse.output.run import Job
+from fvcollapse.output.trust import COMPLETE
 from fvcollapse.simulation import Simulation
-from fvcollapse.trust import COMPLETE
 
 SEEDS = 2**31  # of the scatter of jumping grains
 

@@ -20,8 +20,8 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
-from fvcollapse.case import GRAVITY
-from fvcollapse.case_keys import as_table
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the

@@ -37,7 +37,7 @@ def measurement_covariance(points, sensitivity):
     Run-level errors, each one standard deviation of one shape: thicknesses, interface and final height
     in proportion, by sigma(height_0) / height_0 (the scale of the picture is known as well as the column);
     all X by sigma(length_0) (the place of the back wall in the picture); the clock by sigma(time). The
-    standard deviations are those of `[uncertainty]`, else the defaults of `fvcollapse.uncertainty`.
+    standard deviations are those of `[uncertainty]`, else the defaults of `fvcollapse.measure.uncertainty`.
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
 """Where simulation and experiment differ, which effect causes it, and how far the gap shrinks with it."""
 
+import dataclasses
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from msgspec.structs import replace
 
-from fvcollapse.case import Case, load_case
+from fvcollapse.case.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
 from fvcollapse.diagnosis.findings import report_of
@@ -21,7 +21,7 @@ from fvcollapse.diagnosis.report import Cost, read_report, write_report
 from fvcollapse.diagnosis.report_page import write_page
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.experiment import Experiment, load_experiment
+from fvcollapse.measure.experiment import Experiment, load_experiment
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
 
@@ -144,7 +144,7 @@ def with_known(analysis, model):
     if model is None or model.covers(analysis.evidence):
         return analysis, None
     known = analysis.evidence_of(model.classes)
-    return replace(analysis, evidence=merged(analysis.evidence, known)), known
+    return dataclasses.replace(analysis, evidence=merged(analysis.evidence, known)), known
 
 
 def load_all(experiments):

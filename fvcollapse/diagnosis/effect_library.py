@@ -21,15 +21,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import norm
 
-from fvcollapse.cache import EXTRACT, RunCache, default_folder
-from fvcollapse.case import GRAVITY
-from fvcollapse.case_keys import as_table
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
 from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import CaseError, InputError, NumericalError, failures_named
-from fvcollapse.observables import observe
+from fvcollapse.measure.observables import observe
+from fvcollapse.studies.cache import EXTRACT, RunCache, default_folder
 
 # cells of the coarser grid, in the height and in the length of the column at least
 CELLS, CELLS_LENGTH = 12, 6

@@ -6,8 +6,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
-from fvcollapse.case import describe_keys
-from fvcollapse.curves import FORMS
+from fvcollapse.case.case import describe_keys
 from fvcollapse.diagnosis import report as form
 from fvcollapse.diagnosis.analysis import set_up_covariance
 from fvcollapse.diagnosis.controls import SLOPE_APART
@@ -15,15 +14,11 @@ from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import NAMED, UNKNOWN
 from fvcollapse.diagnosis.new_effects import new_hypotheses
 from fvcollapse.diagnosis.oddities import unseen_origins
-from fvcollapse.diagnosis.reduction import (
-    closing,
-    fold_fractions,
-    gaps_of,
-    with_simulated,
-)
+from fvcollapse.diagnosis.reduction import closing, fold_fractions, gaps_of, with_simulated
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.separability import EQUIVALENT
-from fvcollapse.effects import CATALOGUE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.measure.curves import FORMS
 
 GRAINS_OFF = 3.0  # standard deviations of a mass balance from which it is told
 FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word

@@ -26,8 +26,6 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import logsumexp
 
-from fvcollapse.align import align_curve
-from fvcollapse.curves import FORMS, Curve
 from fvcollapse.diagnosis.covariance import (
     discrepancy_amplitude,
     discrepancy_kernel,
@@ -37,7 +35,9 @@ from fvcollapse.diagnosis.effect_library import acts_in, with_nuisances
 from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import DISCREPANCY
-from fvcollapse.experiment import Experiment
+from fvcollapse.measure.align import align_curve
+from fvcollapse.measure.curves import FORMS, Curve
+from fvcollapse.measure.experiment import Experiment
 
 MOST_HYPOTHESES = 3
 LEAST_PROBABILITY = 0.02  # of a hypothesis that is worth separating

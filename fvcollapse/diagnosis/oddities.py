@@ -4,7 +4,7 @@ import sys
 
 import msgspec
 
-from fvcollapse.plausibility import oddities
+from fvcollapse.measure.plausibility import oddities
 
 
 class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..step.compiled import kernel_jit
+from fvcollapse.step.compiled import kernel_jit
 
 LOWEST = -15.0  # deviations below which the tail is expanded; its error there is 1e-8
 LOG_SQRT_2_PI = 0.5 * math.log(2.0 * math.pi)

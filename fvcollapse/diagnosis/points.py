@@ -1,7 +1,7 @@
 """The points at which simulation and measurement are compared, about 200 for each experiment.
 
 All experiments and all observables are stacked into one vector. Both sides go through the same
-observation operator (`fvcollapse.observe`) and the same interpolation (`fvcollapse.align`). A dense film
+observation operator (`fvcollapse.observe`) and the same interpolation (`fvcollapse.measure.align`). A dense film
 is thinned to single measured points, not averaged: what neighbouring points share is the matter of
 the covariance.
 
@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.align import align, align_curve
-from fvcollapse.case import GRAVITY
-from fvcollapse.curves import FORMS, Curve
+from fvcollapse.case.case import GRAVITY
 from fvcollapse.errors import InputError
-from fvcollapse.observables import SCALAR_UNITS, front_position
+from fvcollapse.measure.align import align, align_curve
+from fvcollapse.measure.curves import FORMS, Curve
+from fvcollapse.measure.observables import SCALAR_UNITS, front_position
 
 PHASES = ("release", "spreading", "arrest", "deposit")
 ADVANCE = (0.10, 0.80, 0.98)  # share of the advance of the front at which a phase ends

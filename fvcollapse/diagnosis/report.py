@@ -16,8 +16,8 @@ import numpy as np
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.errors import FvcollapseError, InputError
-from fvcollapse.files import write_atomic
-from fvcollapse.regular_files import read_regular
+from fvcollapse.files.regular import read_regular
+from fvcollapse.files.storage import write_atomic
 
 FORMAT = "fvcollapse-report"
 FORMAT_VERSION = 1
@@ -111,7 +111,7 @@ class Verdict(Part):
 
 
 class PriorRange(Part):
-    """Prior of a parameter, as `fvcollapse.effects.Prior`."""
+    """Prior of a parameter, as `fvcollapse.effects.catalogue.Prior`."""
 
     kind: str
     first: float

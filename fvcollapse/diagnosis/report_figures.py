@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.report_words import (
     shown_gap,
     shown_value,
 )
-from fvcollapse.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
+from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
 
 WIDTH = 4.9  # inch
 STYLE = {"font.size": 8.5, "axes.titlesize": 8.5, "svg.fonttype": "none", "svg.hashsalt": "report"}

@@ -10,9 +10,9 @@ from fvcollapse.diagnosis import report_words as words
 from fvcollapse.diagnosis.points import PHASES
 from fvcollapse.diagnosis.report import BASELINE, RUNGS
 from fvcollapse.diagnosis.report_figures import pictures
-from fvcollapse.effects import CATALOGUE
+from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import OutputError
-from fvcollapse.files import write_atomic
+from fvcollapse.files.storage import write_atomic
 from fvcollapse.version import __version__
 
 TEMPLATE = "report.html.j2"

@@ -39,13 +39,13 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import logsumexp
 
-from fvcollapse.case_keys import read_text
+from fvcollapse.case.grammar import read_text
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
-from fvcollapse.effects import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
-from fvcollapse.files import write_atomic
-from fvcollapse.fingerprint import solver_version
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.output.fingerprint import solver_version
 
 FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3
 SHIPPED = Path(__file__).with_name("verdict_model.json")

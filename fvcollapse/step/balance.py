@@ -3,7 +3,8 @@
 import math
 from typing import NamedTuple
 
-from ..case import GRAVITY
+from fvcollapse.case.case import GRAVITY
+
 from .gate import gate_velocity
 from .grain_response import Response
 from .lateral_friction import sink_constants

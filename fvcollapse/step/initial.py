@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ..grid import Grid, gate_column, spacing
-from ..state import State
 from .erodible_bed import join_layer, layer_thickness
+from .grid import Grid, gate_column, spacing
 from .level_set import volume
+from .state import State
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta
 ON_SURFACE = 1.0e-12  # distance in cells below which a node counts as on the surface

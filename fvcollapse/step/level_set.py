@@ -474,7 +474,7 @@ def hold_volume(phi, aperture, speed, packing, target, h):
 
 @kernel_jit()
 def correct_volume(phi, aperture, mobility, packing, target, h):
-    """Shift phi by q * mobility (in place) until the filled area is `target`; return what was added and is missing, cells.
+    """Shift phi by q * mobility (in place) until the filled area is `target`; return added and missing, cells.
 
     Both are weighted by the packing, and so are the mass of the grains where that differs from 1.
 

@@ -17,7 +17,8 @@ known in closed form instead of being rigid.
 import math
 from typing import NamedTuple
 
-from ..well_posed import frictions, regularised
+from fvcollapse.case.well_posed import frictions, regularised
+
 from .compiled import inner_jit, kernel_jit
 
 MU_I, DRUCKER_PRAGER, BINGHAM, NEWTONIAN, MU_I_REGULARISED = range(5)

@@ -2,7 +2,8 @@
 
 import math
 
-from ..errors import NumericalError
+from fvcollapse.errors import NumericalError
+
 from .gate import gate_height
 
 LEAST_STEP = 1.0e-6  # of the longest step of a case

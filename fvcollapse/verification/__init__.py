@@ -5,14 +5,14 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from fvcollapse.console import deferred_interrupt
+from fvcollapse.console.terminal import deferred_interrupt
 from fvcollapse.errors import InputError, refuse_bad_target
-from fvcollapse.files import write_atomic
+from fvcollapse.files.storage import write_atomic
 
 
 def problem_names():
     """Names of all verification problems."""
-    from fvcollapse.verification.problems import PROBLEMS
+    from fvcollapse.verification.problems.all import PROBLEMS
 
     return [problem.name for problem in PROBLEMS]
 
@@ -43,7 +43,7 @@ def verify(names=None, json_path=None, markdown_path=None):
         After what was solved until then has been written.
     """
     from fvcollapse.verification.problem import solve
-    from fvcollapse.verification.problems import PROBLEMS
+    from fvcollapse.verification.problems.all import PROBLEMS
     from fvcollapse.verification.tables import HEADING, json_text, markdown_table, table_line
 
     problems = {problem.name: problem for problem in PROBLEMS}

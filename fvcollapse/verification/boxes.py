@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
-from fvcollapse.state import State
 from fvcollapse.step.extrapolation import TRUSTED_U
 from fvcollapse.step.geometry import number_unknowns
 from fvcollapse.step.initial import HALO
+from fvcollapse.step.state import State
 from fvcollapse.verification.flows import TIGHT
 
 GHOSTS = 2  # layers beyond a wall: the reach of the stencil of the momentum advection

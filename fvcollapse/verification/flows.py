@@ -10,7 +10,7 @@ from contextvars import ContextVar
 
 import numpy as np
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import NumericalError
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set

@@ -6,7 +6,7 @@ The part `dilatancy` of the study of the effects. The experiments of Martin et a
 
 import numpy as np
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from runs.study import run_cached
 from runs.table import write_table
 

@@ -6,7 +6,7 @@
                 the figures follow from the tables: python -m plots.effects
     dilatancy   volume against time in two channels: dilatancy.csv
 
-A strength is a quantile of the physical prior (`fvcollapse.effects`), of all parameters together, counted
+A strength is a quantile of the physical prior (`fvcollapse.effects.catalogue`), of all parameters together, counted
 from the end where the effect is weak. What is only seen of a flow needs no run of its own. The runs of the
 catalogue stay below --out; give another folder after a change of the solver.
 """
@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse import observe
-from fvcollapse.case import Case
-from fvcollapse.effects import CATALOGUE, with_effects
-from fvcollapse.observation import flow_case
+from fvcollapse.case.case import Case
+from fvcollapse.effects.catalogue import CATALOGUE, with_effects
+from fvcollapse.measure.observation import flow_case
 from runs.effects.dilatancy import dilatancy
 from runs.study import Study, finished_run, run_in_folders
 from runs.study import main as call

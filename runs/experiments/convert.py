@@ -7,10 +7,10 @@ martin2017/<slope>_<width> into --tables.
 
 import math
 
-from fvcollapse.curves import Scalar, scalars_text
-from fvcollapse.digitised import settings_text
-from fvcollapse.experiment import SETTINGS, load_experiment
-from fvcollapse.files import write_atomic
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.curves import Scalar, scalars_text
+from fvcollapse.measure.digitised import settings_text
+from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from runs.table import read_table
 
 READ_OFF = 0.005  # m; stated uncertainty of what was read off the paper

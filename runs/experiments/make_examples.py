@@ -13,8 +13,8 @@ import numpy as np
 from fvcollapse import load_experiment, observe
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
-from fvcollapse.case import Case
-from fvcollapse.files import write_atomic
+from fvcollapse.case.case import Case
+from fvcollapse.files.storage import write_atomic
 from runs.study import run_cached
 
 CELL_SIZE = 0.005  # m

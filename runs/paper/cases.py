@@ -10,7 +10,7 @@ uncertainty of the statements.
 import math
 from typing import NamedTuple
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
 
 SLOPES = (0, 10, 16, 19, 22)  # deg

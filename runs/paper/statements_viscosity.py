@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.convergence import profile_distance
+from fvcollapse.studies.convergence import profile_distance
 from runs.paper.cases import SLOPES
 from runs.paper.measures import PLATEAU_LEAST
 from runs.paper.statements_walls import LENGTH_0, muI

@@ -23,12 +23,12 @@ from pathlib import Path
 import numpy as np
 
 from fvcollapse import diagnose, load_case, load_experiment, observe
-from fvcollapse.align import align
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.report import FILE_NAME
 from fvcollapse.diagnosis.verdict import verdict
-from fvcollapse.files import write_atomic
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.align import align
 from runs.study import Study, run_cached
 from runs.study import main as call
 from runs.table import write_table

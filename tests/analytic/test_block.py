@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coupled import MASS_FLOOR
 from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_coefficients

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.dilatancy import dilation_power
 from fvcollapse.step.initial import HALO

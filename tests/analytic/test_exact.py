@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from fvcollapse.case import GRAVITY
+from fvcollapse.case.case import GRAVITY
 from fvcollapse.step.ill_posedness import criterion, is_ill_posed
 from fvcollapse.verification import exact
 from fvcollapse.verification.boxes import box_case, channel_case
 from fvcollapse.verification.exact import regularised
 from fvcollapse.verification.flows import layer_case
-from fvcollapse.verification.problems_collapse import column_case
+from fvcollapse.verification.problems.collapse import column_case
 
 STEP = 1e-30  # of the complex derivatives, exact to round-off
 FLOWS = [exact.manufactured_box, exact.manufactured_below_surface, exact.manufactured_gyres]

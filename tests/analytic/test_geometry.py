@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.geometry import cell_fractions, polygon_moments
-from fvcollapse.verification.problems_surface import bed_pressures
+from fvcollapse.verification.problems.surface import bed_pressures
 
 
 @given(st.floats(-0.9, 0.9), st.floats(0.01, 0.99))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fvcollapse.case import GRAVITY, case_from_text
+from fvcollapse.case.case import GRAVITY, case_from_text
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.geometry import (
     allocate_geometry,

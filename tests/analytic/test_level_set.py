@@ -6,7 +6,7 @@ import pytest
 from fvcollapse.step import level_set
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import surface_errors, transport
-from fvcollapse.verification.problems_surface import UPPER_DISC, disc_at, uniform
+from fvcollapse.verification.problems.surface import UPPER_DISC, disc_at, uniform
 
 
 def nodes(cells):

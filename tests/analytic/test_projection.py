@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fvcollapse.case import GRAVITY, case_from_text
-from fvcollapse.observables import front_position, thickness
+from fvcollapse.case.case import GRAVITY, case_from_text
+from fvcollapse.measure.observables import front_position, thickness
 from fvcollapse.simulation import Simulation
 
 COLUMN_AT_REST = """

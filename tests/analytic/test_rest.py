@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import back_wall_reaction, bed_reaction
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
-from fvcollapse.verification.problems_surface import bed_pressures
+from fvcollapse.verification.problems.surface import bed_pressures
 
 WIDTHS = pytest.mark.parametrize("width", [0.10, math.inf])
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.step.rheology import ETA_FLOOR, effective_viscosity, material, mu_regularised
 
 RATES = st.floats(1.0, 1e3)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.initial import initial_grid, initial_state

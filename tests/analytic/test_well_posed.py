@@ -5,10 +5,10 @@ import math
 
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
+from fvcollapse.case.well_posed import criterion_mu_I, lower_well_posed_limit
 from fvcollapse.errors import CaseError
 from fvcollapse.step.rheology import material, mu_regularised
-from fvcollapse.well_posed import criterion_mu_I, lower_well_posed_limit
 
 MU_1 = (0.0, 1e-6, 0.05, 0.06, 0.38, 0.48, 0.7, 1.0, 2.0, 10.0)
 MU_2 = (0.0, 0.05, 0.3, 0.48, 0.55, 0.64, 0.73, 1.0, 3.0, 10.0)

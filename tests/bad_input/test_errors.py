@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fvcollapse import __main__ as command_line
-from fvcollapse.case import Case
-from fvcollapse.console import run_log
+from fvcollapse.case.case import Case
+from fvcollapse.console.terminal import run_log
 from fvcollapse.errors import (
     CaseError,
     FvcollapseError,

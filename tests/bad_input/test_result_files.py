@@ -12,10 +12,11 @@ import pytest
 from fake_simulation import FakeSimulation
 from same_result import differences
 
-from fvcollapse import open_result, output
-from fvcollapse.case import Case
-from fvcollapse.checkpoint import read_checkpoint
+from fvcollapse import open_result
+from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, OutputError
+from fvcollapse.output import run as output
+from fvcollapse.output.checkpoint import read_checkpoint
 
 
 @pytest.fixture(scope="module")

@@ -18,10 +18,10 @@ from fvcollapse.blind.generator import (
     settings_text,
 )
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.case import case_from_text
+from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
-from fvcollapse.effects import CATALOGUE
-from fvcollapse.experiment import load_experiment
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.measure.experiment import load_experiment
 
 STYLES = {"training": TRAINING, "blind": BLIND}
 CAUSES = (NONE, UNKNOWN, *known_effects(), "cohesion+gate")

@@ -11,9 +11,9 @@ from fvcollapse.blind import make as making
 from fvcollapse.blind.generator import BLIND, draw_label
 from fvcollapse.blind.make import data_digest, label_digest, make, read_labels
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.effects import CATALOGUE
+from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError, OutputError
-from fvcollapse.experiment import load_experiment
+from fvcollapse.measure.experiment import load_experiment
 
 
 def files(folder):

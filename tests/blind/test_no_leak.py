@@ -12,7 +12,7 @@ from blind_suite import make_wedges
 
 import fvcollapse
 from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.experiment import load_experiment
+from fvcollapse.measure.experiment import load_experiment
 
 PACKAGE = Path(fvcollapse.__file__).parent
 MODULES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent.name != "blind"]

@@ -6,7 +6,7 @@ from scipy.integrate import trapezoid
 
 from fvcollapse.blind.outside import BRAKE_MAX, REST, UNKNOWNS, brake, read_wrongly
 from fvcollapse.blind.truth import View
-from fvcollapse.case import GRAVITY, Case
+from fvcollapse.case.case import GRAVITY, Case
 
 DX, DT = 0.01, 1.0e-3
 

@@ -24,7 +24,7 @@ from fvcollapse.blind.suite import (
     write_answers,
 )
 from fvcollapse.diagnosis.verdict import VerdictModel
-from fvcollapse.effects import CATALOGUE
+from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError
 
 OPTIONS = {"effects": ("cohesion", "bed_friction"), "draws": 8}

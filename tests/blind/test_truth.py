@@ -3,7 +3,7 @@
 import numpy as np
 
 from fvcollapse.blind.truth import run_truth
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 
 CASE = Case().replace(
     **{

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from fvcollapse.convergence import (
+from fvcollapse.studies.convergence import (
     convergence,
     convergence_of_profiles,
     oscillating_share,

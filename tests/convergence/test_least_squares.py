@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fvcollapse.least_squares import fit
+from fvcollapse.studies.least_squares import fit
 
 SIZES = [6.0, 4.0, 3.0, 2.0]
 

@@ -9,7 +9,7 @@ import pytest
 import fvcollapse
 from fvcollapse.__main__ import main
 from fvcollapse.verification import problem, problem_names, verify
-from fvcollapse.verification.problems import PROBLEMS
+from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.terms import TERMS
 
 SLOW = {

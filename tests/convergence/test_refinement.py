@@ -10,14 +10,16 @@ from fake_member import fail_on_coarse
 from fake_simulation import FakeSimulation
 from PIL import Image
 
-from fvcollapse import open_result, output, refinement_report
+from fvcollapse import open_result
 from fvcollapse.__main__ import main
-from fvcollapse.case import Case
-from fvcollapse.convergence import convergence
-from fvcollapse.drawing import new_figure, png
+from fvcollapse.case.case import Case
+from fvcollapse.draw.drawing import new_figure, png
 from fvcollapse.errors import NumericalError
-from fvcollapse.members import run_members
-from fvcollapse.refinement import UNITS, member_case
+from fvcollapse.output import run as output
+from fvcollapse.studies import refinement_report
+from fvcollapse.studies.convergence import convergence
+from fvcollapse.studies.members import run_members
+from fvcollapse.studies.refinement import UNITS, member_case
 
 DRAW = refinement_report.draw_png
 SIZES = ["0.01", "0.02", "0.014"]

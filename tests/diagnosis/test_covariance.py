@@ -16,7 +16,7 @@ from fvcollapse.diagnosis.covariance import (
     numerical_covariance,
 )
 from fvcollapse.diagnosis.points import Sensitivity, choose_points
-from fvcollapse.experiment import load_experiment
+from fvcollapse.measure.experiment import load_experiment
 
 N = 12
 

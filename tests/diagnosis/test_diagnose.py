@@ -11,18 +11,14 @@ from toy_laboratory import ToyRunner, film, only_numbers
 import fvcollapse
 from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
-from fvcollapse.cache import make_extract
 from fvcollapse.diagnosis import diagnose as module
 from fvcollapse.diagnosis import findings
 from fvcollapse.diagnosis.diagnose import contenders
-from fvcollapse.diagnosis.effect_library import (
-    Runner,
-    baseline_cases,
-    build_library,
-)
+from fvcollapse.diagnosis.effect_library import Runner, baseline_cases, build_library
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.verdict import Verdict
 from fvcollapse.errors import NumericalError
+from fvcollapse.studies.cache import make_extract
 
 EFFECTS = "lateral_friction,cohesion,gate"
 WALLS = {"lateral_friction": {"mu_wall": 0.22, "pressure_ratio": 0.9}}
@@ -213,7 +209,7 @@ def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monke
         make_extract(*arguments)
         calls.append(arguments)
 
-    monkeypatch.setattr("fvcollapse.cache.make_extract", counted)
+    monkeypatch.setattr("fvcollapse.studies.cache.make_extract", counted)
     cases = short_cases(coarse)
     arguments = [coarse], cases
     with pytest.raises(KeyboardInterrupt):
@@ -237,7 +233,7 @@ def test_a_failed_run_is_reported_and_not_repeated_within_a_call(coarse, tmp_pat
             raise NumericalError("it blew up")
         make_extract(case, *arguments)
 
-    monkeypatch.setattr("fvcollapse.cache.make_extract", fails)
+    monkeypatch.setattr("fvcollapse.studies.cache.make_extract", fails)
     found = build_library(
         [coarse], short_cases(coarse), Runner(tmp_path), ["cohesion", "bed_friction"], draws=4
     )

@@ -7,7 +7,7 @@ import pytest
 from toy_laboratory import ToyRunner, film
 
 from fvcollapse import load_experiment
-from fvcollapse.case import GRAVITY
+from fvcollapse.case.case import GRAVITY
 from fvcollapse.diagnosis import effect_library as library
 from fvcollapse.diagnosis.effect_library import (
     Reading,
@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.effect_library import (
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
 from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
 
 

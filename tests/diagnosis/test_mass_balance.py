@@ -8,7 +8,6 @@ from scipy.stats import multivariate_normal as normal
 from toy_laboratory import film
 
 from fvcollapse import load_experiment
-from fvcollapse.curves import curve_text
 from fvcollapse.diagnosis import mass_balance as module
 from fvcollapse.diagnosis.findings import grain_words
 from fvcollapse.diagnosis.mass_balance import (
@@ -20,6 +19,7 @@ from fvcollapse.diagnosis.mass_balance import (
     mass_balance,
 )
 from fvcollapse.diagnosis.names import UNKNOWN
+from fvcollapse.measure.curves import curve_text
 
 TIMES = np.arange(0.0, 1.01, 0.05)
 PLACES = np.arange(0.005, 1.2, 0.01)

@@ -6,8 +6,8 @@ from experiment_folder import write_experiment
 
 from fvcollapse.diagnosis.points import PHASES, choose_points
 from fvcollapse.errors import InputError
-from fvcollapse.experiment import load_experiment
-from fvcollapse.observables import Observations
+from fvcollapse.measure.experiment import load_experiment
+from fvcollapse.measure.observables import Observations
 
 TIMES = np.arange(0.0, 1.51, 0.02)
 PLACES = np.arange(0.0, 0.8, 0.01)

@@ -364,5 +364,7 @@ def test_oddities_stand_above_what_was_compared(page, tmp_path):
     assert told.ids.index("warnings") < told.ids.index("compared")
     words = "beads, front.csv, x_front_m : found 0.185; expected: length_0 = 0.2 m; X <level>?"
     assert words in told.text
-    assert odd.line() == words.replace("beads, front.csv, x_front_m :", "beads/front.csv: x_front_m:")
+    assert odd.line() == words.replace(
+        "beads, front.csv, x_front_m :", "beads/front.csv: x_front_m:"
+    )
     assert "warnings" not in page.ids

@@ -28,7 +28,7 @@ from fvcollapse.diagnosis.verdict import (
     to_json,
     verdict,
 )
-from fvcollapse.effects import CATALOGUE, PHYSICAL, Effect, Prior
+from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL, Effect, Prior
 from fvcollapse.errors import InputError
 
 EFFECTS = ("arms", "bars", "cups", "dots")

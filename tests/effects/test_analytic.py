@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.verification import exact
 from fvcollapse.verification.exact.layer import inertial_number_at
 from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady
-from fvcollapse.verification.problems_surface import bed_pressures
+from fvcollapse.verification.problems.surface import bed_pressures
 
 WIDE = {"geometry__channel_width": 1e4, "effects__lateral_friction": {}}  # m: walls far away
 CRITICAL = {"dilatancy_factor": 4.0, "solid_fraction_0": 0.60, "solid_fraction_critical": 0.60}

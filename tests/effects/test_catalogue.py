@@ -6,8 +6,14 @@ from typing import get_type_hints
 import pytest
 from effect_runs import collapse, same_to_the_last_bit
 
-from fvcollapse.case import Case, Effects, describe_keys
-from fvcollapse.effects import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL, with_effects
+from fvcollapse.case.case import Case, Effects, describe_keys
+from fvcollapse.effects.catalogue import (
+    CATALOGUE,
+    NUISANCE,
+    OBSERVATION,
+    PHYSICAL,
+    with_effects,
+)
 
 KEYS = {info.name for info in describe_keys()}
 # the settings with which each effect does nothing

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from effect_runs import centre_of_mass, collapse
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady

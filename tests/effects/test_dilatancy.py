@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
-from fvcollapse.state import FIELDS
 from fvcollapse.step import level_set
 from fvcollapse.step.dilatancy import Dilatancy, carry_fraction, expansion, limit_dilatancy
 from fvcollapse.step.geometry import cell_fractions
+from fvcollapse.step.state import FIELDS
 from fvcollapse.verification import exact
 from fvcollapse.verification.exact.layer import inertial_number_at
 from fvcollapse.verification.flows import layer, layer_case, run_until

@@ -5,11 +5,11 @@ import pytest
 from effect_runs import COLUMN, collapse
 from same_result import differences
 
-from fvcollapse import output
-from fvcollapse.case import Case
-from fvcollapse.checkpoint import read_checkpoint
+from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.state import EFFECT_FIELDS
+from fvcollapse.output import run as output
+from fvcollapse.output.checkpoint import read_checkpoint
+from fvcollapse.step.state import EFFECT_FIELDS
 
 EFFECTS = {
     "dilatancy": {"dilatancy_factor": 4.0},

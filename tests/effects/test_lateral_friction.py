@@ -5,7 +5,7 @@ import math
 import pytest
 from effect_runs import centre_of_mass, collapse, same_to_the_last_bit
 
-from fvcollapse.effects import with_effects
+from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.step.rheology import material
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until

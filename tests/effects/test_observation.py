@@ -9,12 +9,12 @@ from effect_runs import collapse, same_to_the_last_bit
 from hypothesis import given, settings
 
 from fvcollapse import observe, run
-from fvcollapse.case import Case
-from fvcollapse.effects import with_effects
+from fvcollapse.case.case import Case
+from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.errors import CaseError
-from fvcollapse.grid import gate_column, spacing
-from fvcollapse.observables import front_velocity, peak_front_velocity
-from fvcollapse.observation import correlated_scatter, flow_case, seen_front
+from fvcollapse.measure.observables import front_velocity, peak_front_velocity
+from fvcollapse.measure.observation import correlated_scatter, flow_case, seen_front
+from fvcollapse.step.grid import gate_column, spacing
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
 SHORT = {"grid.cell_size": 0.02, "time.end": 0.3, "time.output_interval": 0.05}

@@ -8,8 +8,8 @@ from effect_runs import centre_of_mass, collapse
 from scipy.integrate import quad
 
 from fvcollapse import observe, run
-from fvcollapse.case import Case
-from fvcollapse.observation import seen_place
+from fvcollapse.case.case import Case
+from fvcollapse.measure.observation import seen_place
 from fvcollapse.step.momentum import advect_momentum
 from fvcollapse.step.transverse_profile import middle_factor, shape_factor, view_factor
 from fvcollapse.verification import exact

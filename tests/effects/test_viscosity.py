@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from effect_runs import centre_of_mass, collapse
 
-from fvcollapse.case import Case
-from fvcollapse.effects import with_effects
+from fvcollapse.case.case import Case
+from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.errors import CaseError
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until_steady

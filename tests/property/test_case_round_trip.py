@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from fvcollapse.case import Case, case_from_text, describe_keys, load_case
+from fvcollapse.case.case import Case, case_from_text, describe_keys, load_case
 from fvcollapse.errors import CaseError
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from effect_runs import collapse
 
-from fvcollapse.case import Case
-from fvcollapse.effects import CATALOGUE, PHYSICAL
-from fvcollapse.observables import ENERGY_SPENT, LOSSES
+from fvcollapse.case.case import Case
+from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
+from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.simulation import Simulation
 
 FLOWING = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]

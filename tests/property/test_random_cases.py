@@ -3,7 +3,7 @@
 import pytest
 from random_cases import LAWS, NAMED, ending_of, random_case
 
-from fvcollapse.effects import CATALOGUE
+from fvcollapse.effects.catalogue import CATALOGUE
 
 COUNT = 200
 VOLUME = 0.002  # of the volume at the start, at all times; with dilatancy, beyond what it allows

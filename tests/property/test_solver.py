@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 
 COARSE = {"grid.cell_size": 0.02, "geometry.channel_width": math.inf}

@@ -7,9 +7,10 @@ from experiment_folder import SETTINGS, write_experiment
 from fake_simulation import FakeSimulation
 from hypothesis import given, settings
 
-from fvcollapse import load_experiment, observe, output
-from fvcollapse.align import align
-from fvcollapse.case import Case
+from fvcollapse import load_experiment, observe
+from fvcollapse.case.case import Case
+from fvcollapse.measure.align import align
+from fvcollapse.output import run as output
 
 TIMES = (0.0, 0.013, 0.1, 0.19)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fvcollapse import simulation
-from fvcollapse.case import Case
-from fvcollapse.observables import thickness
+from fvcollapse.case.case import Case
+from fvcollapse.measure.observables import thickness
 from fvcollapse.simulation import Simulation
 
 END = 1.0  # s; the pile is then a third as high as the column

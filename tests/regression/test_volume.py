@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fvcollapse
-from fvcollapse.case import Case
+from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
 from fvcollapse.simulation import Simulation
 

@@ -4,8 +4,8 @@ import sys
 import time
 from pathlib import Path
 
-from fvcollapse import output
-from fvcollapse.case import load_case
+from fvcollapse.case.case import load_case
+from fvcollapse.output import run as output
 
 
 def main(case, folder, kind="real"):

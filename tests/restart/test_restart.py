@@ -14,11 +14,12 @@ import pytest
 from fake_simulation import FakeSimulation
 from same_result import differences
 
-from fvcollapse import open_result, output
-from fvcollapse.case import Case
-from fvcollapse.checkpoint import read_checkpoint
+from fvcollapse import open_result
+from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
-from fvcollapse.recorder import schedule
+from fvcollapse.output import run as output
+from fvcollapse.output.checkpoint import read_checkpoint
+from fvcollapse.output.recorder import schedule
 
 SCRIPT = Path(__file__).with_name("run_for_kill.py")
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
+from fvcollapse.case.case import GRAVITY
 
 
 def taylor_green(x, z, time, viscosity_kinematic, wave_number, speed):

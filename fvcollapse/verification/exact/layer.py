@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
+from fvcollapse.case.case import GRAVITY
 
 
 def slope_ratio(case):

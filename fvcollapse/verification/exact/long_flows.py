@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
-from fvcollapse.verification.exact.layer import (
-    gravity_normal,
-)
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.verification.exact.layer import gravity_normal
 
 
 def huppert_front(area, viscosity_kinematic, time):

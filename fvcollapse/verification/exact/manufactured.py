@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.case import GRAVITY
+from fvcollapse.case.case import GRAVITY
 from fvcollapse.verification.exact.layer import wall_ratio
 
 

@@ -1,0 +1,1 @@
+"""What is to be run: the case file, its keys, sections and rules."""

@@ -1,0 +1,240 @@
+"""The grammar of a case file: what a key says of itself, the table of all keys, values as TOML."""
+
+import json
+import re
+import tomllib
+from difflib import get_close_matches
+from functools import cache
+from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+import msgspec
+
+from fvcollapse.errors import InputError
+from fvcollapse.files.regular import read_regular
+
+LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of the case file: unknown keys refused, no silent conversion, never changed."""
+
+
+def key(unit, description, allowed=None, inf=False, most=None, **limits):
+    """What a user must know of a key of the case file, beside its type and default.
+
+    Parameters
+    ----------
+    unit, description : str
+        Unit ("-" if none) and meaning, one line.
+    allowed : str, optional
+        Range in words; without it the words follow from the type and the limits.
+    inf : bool
+        Whether `inf` is a legal value; otherwise numbers are finite. NaN never is legal.
+    most : float, optional
+        Largest finite value of a key that may be inf.
+    **limits : float
+        Range: gt, ge, lt, le.
+    """
+    ends = limits if most is None else limits | {"le": most}
+    words = " and ".join(f"{LIMIT_SIGNS[name]} {limit:g}" for name, limit in ends.items())
+    words = allowed or words + (", or inf" if inf else "")
+    extra = {"unit": unit, "allowed": words, "inf": inf, "most": most}
+    return msgspec.Meta(description=description, extra=extra, **limits)
+
+
+class KeyInfo(NamedTuple):
+    """One row of the table of keys."""
+
+    name: str
+    unit: str
+    allowed: str
+    default: str
+    description: str
+
+
+# -- reading -----------------------------------------------------------------------------------
+
+
+def read_text(path, kind, refuse=InputError):
+    """Text of a file; a defect is one error of the type `refuse`, which asks for `kind`."""
+    return decode_text(read_bytes(path, kind, refuse), path, refuse)
+
+
+def read_bytes(path, kind, refuse=InputError):
+    """Bytes of a regular file; a defect is one error of the type `refuse`, which asks for `kind`."""
+    try:
+        return read_regular(path)
+    except (OSError, ValueError) as error:
+        problem = (getattr(error, "strerror", None) or str(error)).lower()
+        raise refuse(path, "file", problem, f"a readable {kind} file") from None
+
+
+def decode_text(data, path, refuse=InputError):
+    """The text in bytes of the file `path`: UTF-8, with or without a byte order mark."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"a byte that is not UTF-8 at offset {error.start}"
+        raise refuse(path, "file", found, "UTF-8 text") from None
+
+
+def parse_toml(text, source, refuse=InputError):
+    """Nested dictionaries of a TOML text; a defect is one error of the type `refuse`."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # broken, a number too long, nested too deep
+        raise refuse(source, "file", f"broken TOML: {error}", "valid TOML") from None
+
+
+# -- the table of all keys ---------------------------------------------------------------------
+
+
+@cache
+def sections(model, prefix=""):
+    """Each table inside a model as (dotted name, model), outer before inner."""
+    found = []
+    for name, hint in get_type_hints(model).items():
+        for part in (hint, *get_args(hint)):
+            if isinstance(part, type) and issubclass(part, Section):
+                found += [(prefix + name, part), *sections(part, f"{prefix}{name}.")]
+    return tuple(found)
+
+
+@cache
+def key_metas(model):
+    """The `key(...)` of each key of one table, by name."""
+    metas = {}
+    for name, hint in get_type_hints(model, include_extras=True).items():
+        for part in (hint, *get_args(hint)):  # hint is Annotated[...] or Annotated[...] | None
+            for meta in getattr(part, "__metadata__", ()):
+                metas[name] = meta
+    return metas
+
+
+@cache
+def key_table(model):
+    """KeyInfo of all keys inside a model, as {dotted name: KeyInfo}, in the order of the model."""
+    rows = {}
+    for section, inner in (("", model), *sections(model)):
+        for key_name, meta in key_metas(inner).items():
+            default = getattr(inner(), key_name)
+            name = f"{section}.{key_name}".removeprefix(".")
+            rows[name] = KeyInfo(
+                name=name,
+                unit=meta.extra["unit"],
+                allowed=allowed_words(get_type_hints(inner)[key_name], meta),
+                default="absent" if default is None else toml_value(default),
+                description=meta.description,
+            )
+    return rows
+
+
+@cache
+def table_names(model):
+    """Dotted names of all tables inside a model."""
+    return {name for name, _ in sections(model)}
+
+
+def allowed_words(hint, meta):
+    """What a key accepts, in words: from its type and its limits."""
+    if get_origin(hint) is Literal:
+        return " or ".join(toml_value(choice) for choice in get_args(hint))
+    if hint is bool:
+        return "true or false"
+    if hint is str:
+        return "text"
+    words = meta.extra["allowed"]
+    if words.startswith("a list"):
+        return words
+    return f"a {'whole ' if hint is int else ''}number {words}"
+
+
+def closest(path, model):
+    """The key or table of a model most like a path: a near miss in the same table first, ...
+
+    ... then the same last word in another table, then the nearest spelling.
+    """
+    names = [*key_table(model), *sorted(table_names(model))]
+    parent, _, last = path.rpartition(".")
+    siblings = [name for name in names if name.rpartition(".")[0] == parent]
+    same_word = [name for name in names if name.rpartition(".")[2] == last]
+    for candidates, cutoff in ((siblings, 0.8), (same_word, 0.0), (siblings or names, 0.0)):
+        if match := get_close_matches(path, candidates, n=1, cutoff=cutoff):
+            return match[0]
+    return names[0]
+
+
+def closest_name(name, names):
+    """The name most like another one."""
+    return (get_close_matches(name, names, n=1, cutoff=0.0) or names)[0]
+
+
+def refusal_of_type(table, model, message):
+    """(key, what was found, what is allowed) from the message of a failed `msgspec.convert`."""
+    place = re.search(r" - at `\$\.?([^`]*)`$", message)
+    path = place.group(1) if place else ""
+    unknown = re.search(r"unknown field `(.*?)`", message, re.DOTALL)
+    if unknown:
+        name = f"{path}.{unknown.group(1)}".removeprefix(".")
+        return name, "an unknown key", f"the closest key is {closest(name, model)}"
+    found = table
+    for part in re.findall(r"\w+", path):
+        found = found[int(part) if isinstance(found, list) else part]
+    name, bracket, index = path.partition("[")
+    info = key_table(model).get(name)
+    return (
+        name,
+        show(found) + (f" at [{index}" if bracket else ""),
+        info.allowed if info else "a table",
+    )
+
+
+# -- values ------------------------------------------------------------------------------------
+
+
+def as_table(section):
+    """Nested dictionaries of a case; what is absent (None) is left out."""
+    values = {name: getattr(section, name) for name in section.__struct_fields__}
+    return {
+        name: as_table(value) if isinstance(value, Section) else value
+        for name, value in values.items()
+        if value is not None
+    }
+
+
+def plain(value):
+    """Numbers and arrays of numpy as plain numbers and lists."""
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def toml_lines(table, prefix=""):
+    """Nested dictionaries as lines of TOML: the plain keys of a table first, then its tables."""
+    for name, value in table.items():
+        if not isinstance(value, dict):
+            yield f"{name} = {toml_value(value)}"
+    for name, value in table.items():
+        if isinstance(value, dict):
+            yield f"\n[{prefix}{name}]"
+            yield from toml_lines(value, f"{prefix}{name}.")
+
+
+def toml_value(value):
+    """A value as TOML text; floats to the last bit."""
+    if isinstance(value, bool | str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, int):  # Python refuses to print decimal integers of thousands of digits
+        return str(value) if abs(value) < 10**18 else hex(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(toml_value(item) for item in value) + "]"
+    return "{...}" if isinstance(value, dict) else str(value)
+
+
+def show(value):
+    """A value and its type in a few words."""
+    if isinstance(value, dict):
+        return "a table"
+    kinds = {str: "the string ", bool: "the boolean ", list: "the list ", tuple: "the list "}
+    text = toml_value(value)
+    return kinds.get(type(value), "") + (text if len(text) <= 60 else text[:57] + "...")

@@ -1,0 +1,200 @@
+"""Curves from digitising tools (x, y in columns, one file per curve) as an experiment folder."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.case.case import parse_value
+from fvcollapse.case.grammar import read_text, show, toml_value
+from fvcollapse.errors import InputError, OutputError
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.curves import FORMS, curve_text
+from fvcollapse.measure.digitised_table import read_table
+from fvcollapse.measure.experiment import (
+    SETTINGS,
+    is_complete,
+    load_experiment,
+    read_measurements,
+)
+from fvcollapse.measure.experiment_keys import describe_keys, settings_from_table
+from fvcollapse.measure.uncertainty import Uncertainty
+
+LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
+TIMES = {"s": 1.0, "ms": 0.001}
+RATIOS = {"1": 1.0, "%": 0.01}
+OVER_TIME = ("front", "volume")  # curves over time; the others are one file per instant
+
+
+class Source(NamedTuple):
+    """One digitised file: which curve it belongs to, and at what time [s] (None: x is the time)."""
+
+    name: str
+    path: Path
+    time: float | None
+
+
+def write_experiment(sources, folder, length="m", time="s", ratio="1", settings=()):
+    """Write digitised curves into an experiment folder.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        At most one of front and of volume; profiles and interface at different times.
+    folder : str or Path
+        Made if need be; a curve that is already there is never overwritten.
+    length, time, ratio : str
+        Units of the files: keys of `LENGTHS`, `TIMES`, `RATIOS`. `Source.time` is in s.
+    settings : sequence of str
+        "section.key=value" for a new `experiment.toml`.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    InputError, OutputError
+        Nothing is written then.
+    """
+    folder = Path(folder)
+    factors = LENGTHS[length], TIMES[time], RATIOS[ratio]
+    texts = {f"{name}.csv": text for name, text in curve_texts(sources, *factors).items()}
+    if settings or not (folder / SETTINGS).exists():
+        texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
+    for name in texts:
+        if (folder / name).exists():
+            raise InputError(folder / name, "file", "one that is already there", "another folder")
+    refuse_unreadable(texts, folder)
+    write_all(texts, folder)
+    return [folder / name for name in texts]
+
+
+def refuse_unreadable(texts, folder):
+    """Refuse files that could not be read again, or that no collapse can show, before they are written.
+
+    Without slope and column only the form of the curves is looked at.
+    """
+    with TemporaryDirectory() as trial:
+        trial = Path(trial)
+        for name, text in texts.items():
+            (trial / name).write_text(text, encoding="utf-8")
+        if SETTINGS not in texts:
+            text = read_text(folder / SETTINGS, "TOML")
+            (trial / SETTINGS).write_text(text, encoding="utf-8")
+        try:
+            if texts.keys() - {SETTINGS}:
+                read_measurements(trial, Uncertainty())
+                if is_complete(trial / SETTINGS):
+                    load_experiment(trial)
+        except InputError as error:
+            file = folder / Path(error.file).name
+            raise InputError(file, error.key, error.found, error.allowed) from None
+
+
+def write_all(texts, folder):
+    """Write the files of an experiment, {name: text}, all of them or none."""
+    new, written = not folder.exists(), []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(folder, error, running=False) from None
+    try:
+        for name, text in texts.items():
+            write_atomic(folder / name, text.encode(), running=False)
+            written.append(folder / name)
+    except OutputError:
+        for path in written:
+            path.unlink(missing_ok=True)
+        if new:
+            folder.rmdir()
+        raise
+
+
+def curve_texts(sources, length, time, ratio):
+    """{name of the curve: CSV text} of digitised files; the factors take them to SI units."""
+    blocks = {}
+    for source in sorted(sources, key=lambda source: source.time or 0.0):
+        x, y = read_pairs(source.path).T
+        if source.name in OVER_TIME:
+            value = y * (ratio if source.name == "volume" else length)
+            rows = np.column_stack([x * time, value])
+        else:
+            rows = np.column_stack([np.full(len(x), source.time), x * length, y * length])
+        same = [other for _, other in blocks.get(source.name, ()) if other.time == source.time]
+        if same:
+            moment = "" if source.time is None else f" at {source.time:g} s"
+            found = f"a second file for {source.name}{moment}, beside {same[0].path}"
+            raise InputError(source.path, "file", found, "one file per curve")
+        blocks.setdefault(source.name, []).append((rows, source))
+    return {
+        name: curve_text(name, np.vstack([rows for rows, _ in blocks[name]]))
+        for name in FORMS
+        if name in blocks
+    }
+
+
+def read_pairs(path):
+    """Pairs of a digitised file in order of their abscissa, (n, 2).
+
+    Points with the same abscissa (a point clicked twice) become their mean.
+
+    Raises
+    ------
+    InputError
+        See `digitised_table.read_table`.
+    """
+    return merge_repeats(np.array(sorted(read_table(path))))
+
+
+def merge_repeats(pairs):
+    """The pairs, those of one abscissa replaced by their mean."""
+    x, where, count = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
+    return np.column_stack([x, np.bincount(where, pairs[:, 1]) / count])
+
+
+def settings_text(settings, path):
+    """Text of a new `experiment.toml`: what is known, and as comments the keys that are not."""
+    table = {}
+    for setting in settings:
+        if not is_utf8(setting):
+            raise InputError(
+                path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text"
+            )
+        name, equals, value = (part.strip() for part in setting.partition("="))
+        if not (name and equals):
+            raise InputError(
+                path, f"--set {setting}", "no key or no '='", "--set section.key=VALUE"
+            )
+        section, _, last = name.rpartition(".")
+        inner = table.setdefault(section, {}) if section else table
+        if not isinstance(inner, dict):
+            raise InputError(path, section, show(inner), "a table")
+        inner[last] = parse_value(value)
+    settings_from_table(table, path)
+    lines, header = [], ""
+    for info in describe_keys():
+        section, _, name = info.name.rpartition(".")
+        if section != header:
+            lines += ["", f"[{section}]"]
+            header = section
+        inner = table.get(section, {}) if section else table
+        known = f"{name} = {toml_value(inner[name])}" if name in inner else f"# {name} ="
+        lines.append(f"{known}    # {info.unit}, {info.description}")
+    return "# What was not measured stays a comment.\n\n" + "\n".join(lines) + "\n"
+
+
+def is_utf8(text):
+    """Whether a word of the command line was UTF-8: other bytes arrive as lone surrogates."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
+
+
+def missing_settings(folder):
+    """What an experiment folder still lacks to be read, as one line; "" if nothing."""
+    try:
+        load_experiment(folder)
+    except InputError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,217 @@
+"""An experiment: the folder that a laboratory, a particle simulation or a synthetic case leaves.
+
+`experiment.toml` says what was set up, CSV files what was measured; what is absent was not
+measured. The set-up of the experiment, put on top of what the user believes, is the case that a
+simulation of it runs (`Experiment.case`). A `[truth]` section is never looked at.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from fvcollapse.case.case import Case
+from fvcollapse.case.grammar import parse_toml, read_text
+from fvcollapse.errors import CaseError, InputError
+from fvcollapse.measure.curves import CSV_FILES, FORMS, SCALARS, read_curve, read_scalars
+from fvcollapse.measure.experiment_keys import (
+    CASE_KEYS,
+    Settings,
+    rule_required,
+    settings_from_table,
+)
+from fvcollapse.measure.measured_files import measured_files
+from fvcollapse.measure.observables import SCALAR_UNITS
+from fvcollapse.measure.plausibility import refuse_impossible
+from fvcollapse.measure.uncertainty import standard_deviation
+
+SETTINGS = "experiment.toml"
+# key of [uncertainty] of each scalar
+SCALAR_UNCERTAINTY = {name: name for name in SCALAR_UNITS} | {
+    "runout": "front",
+    "final_height": "thickness",
+}
+# a header of a section whose name is `truth` in any spelling of TOML, and any header
+TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
+HEADER = re.compile(r"""\s*\[\[?\s*["']?[A-Za-z_][\w\s."'-]*\]\]?\s*(#.*)?$""")
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What was set up and what was measured.
+
+    Attributes
+    ----------
+    folder : Path
+    settings : Settings
+        `experiment.toml`; None in a key = not stated.
+    curves : dict
+        {name: Curve}, of front, profiles, volume and interface those that were measured.
+    scalars : tuple of Scalar
+    """
+
+    folder: Path
+    settings: Settings
+    curves: dict
+    scalars: tuple
+
+    @property
+    def name(self):
+        """Name of the folder."""
+        return self.folder.resolve().name
+
+    @property
+    def front_thickness(self):
+        """Thickness that defines the front [m]; None: as the case says."""
+        return self.settings.front.thickness
+
+    @property
+    def time_origin(self):
+        """Simulated time at which the clock of the measurements shows 0 [s]."""
+        return self.settings.time.origin
+
+    @property
+    def time_end(self):
+        """Simulated time of the last measured point [s]; 0 without curves."""
+        last = [curve.time[-1] for curve in self.curves.values()]
+        return max([0.0, *(float(time) + self.time_origin for time in last)])
+
+    def stated(self, path):
+        """Value of a dotted key of `experiment.toml`; None if it is absent."""
+        section, _, name = path.partition(".")
+        return getattr(getattr(self.settings, section), name)
+
+    def standard_deviation(self, name, value=1.0):
+        """Standard deviation of a quantity, as stated or by default; see `uncertainty.DEFAULTS`.
+
+        `value` is the quantity itself, of which a relative default is a part.
+        """
+        return standard_deviation(self.settings.uncertainty, name, value)
+
+    def case(self, base=None):
+        """The case of this experiment.
+
+        Geometry, gate, bed and what was measured of the material come from the experiment (absent:
+        no lateral walls, a gate removed at once, no slip on the bed); all else from `base`, and the
+        end of the run is late enough for the last measured point.
+
+        Parameters
+        ----------
+        base : Case, optional
+            What the user believes; without it the defaults, no effects, and cells of 6 mm (within a
+            quarter and a hundredth of the height).
+
+        Raises
+        ------
+        CaseError
+            The two do not fit together.
+        """
+        changes = case_changes(self)
+        if base is None:
+            base, changes["grid.cell_size"] = Case(), suitable_cell_size(self.settings.geometry)
+        changes["time.end"] = max(base.time.end, self.time_end)
+        try:
+            return base.replace(**changes)
+        except CaseError as error:
+            own = next((own for own, (name, _) in CASE_KEYS.items() if name == error.key), None)
+            kept = " (of the case: none stated)" if own and self.stated(own) is None else ""
+            path, found = self.folder / SETTINGS, error.found + kept
+            raise CaseError(path, own or error.key, found, error.allowed) from None
+
+
+def load_experiment(folder):
+    """The experiment in a folder (or whose `experiment.toml` is given).
+
+    Parameters
+    ----------
+    folder : str or Path
+
+    Returns
+    -------
+    Experiment
+
+    Raises
+    ------
+    InputError
+        One line that names file, key or column, what was found and what is allowed.
+    """
+    folder = Path(folder)
+    if folder.name == SETTINGS:
+        folder = folder.parent
+    settings = read_settings(folder / SETTINGS)
+    experiment = Experiment(folder, settings, *read_measurements(folder, settings.uncertainty))
+    refuse_impossible(experiment)
+    experiment.case()  # a set-up that no simulation can have is refused now
+    return experiment
+
+
+def read_settings(path):
+    """The `Settings` in a file."""
+    settings = read_draft(path)
+    for refusal in rule_required(settings):
+        raise InputError(path, *refusal)
+    return settings
+
+
+def is_complete(path):
+    """Whether the settings in a file state what every experiment has to state."""
+    return not list(rule_required(read_draft(path)))
+
+
+def read_draft(path):
+    """The `Settings` in a file that may still lack required keys."""
+    table = parse_toml(strip_truth(read_text(path, "TOML")), path)
+    table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
+    return settings_from_table(table, path)
+
+
+def strip_truth(text):
+    """The text without its `[truth]` sections, whatever stands in them."""
+    kept, hidden = [], False
+    for line in text.splitlines(keepends=True):
+        if HEADER.match(line) or TRUTH.match(line):
+            hidden = bool(TRUTH.match(line))
+        if not hidden:
+            kept.append(line)
+    return "".join(kept)
+
+
+def read_measurements(folder, uncertainty):
+    """(curves, scalars) of a folder."""
+    files = measured_files(folder)
+    curves = {
+        name: read_curve(files[name], name, standard_deviation(uncertainty, form.uncertainty))
+        for name, form in FORMS.items()
+        if name in files
+    }
+    scalars = ()
+    if SCALARS in files:
+        scalars = read_scalars(
+            files[SCALARS],
+            SCALAR_UNITS,
+            lambda name: standard_deviation(uncertainty, SCALAR_UNCERTAINTY[name]),
+        )
+    if not curves and not scalars:
+        files = ", ".join(f"{name}.csv" for name in CSV_FILES)
+        raise InputError(folder, "folder", "no measurement", f"one or more of {files}")
+    return curves, scalars
+
+
+def case_changes(experiment):
+    """Changes to a case that make it the set-up of an experiment."""
+    changes = {}
+    for own, (name, absent) in CASE_KEYS.items():
+        value = experiment.stated(own)
+        if value is not None or absent is not None:
+            changes[name] = absent if value is None else value
+    material = experiment.settings.material
+    known = (material.solid_fraction, material.density_grain)
+    if material.density_bulk is None and None not in known:
+        changes["rheology.density_bulk"] = material.solid_fraction * material.density_grain
+    return changes
+
+
+def suitable_cell_size(geometry):
+    """Default cell size [m], or the nearest that a column of this size may have."""
+    finest = geometry.height_0 / 100
+    coarsest = min(geometry.height_0, geometry.length_0) / 4
+    return min(max(Case().grid.cell_size, finest), coarsest)

@@ -1,0 +1,353 @@
+"""Measured quantities: what an experimenter would read off the grains, apart from the dynamics.
+
+Everything is a plain function of arrays or of (state, grid). Profiles live at the node abscissae
+x_i = i dx, x = 0 is the back wall and z = 0 the bed; the thickness h is measured normal to the bed.
+On an erodible bed all heights and the column volumes are measured from the initial surface of the
+layer: what a run reports is the pile, and an eroded place has a negative height.
+The pile is what h shows: grains that have left the bed (a splash) count in h where they are.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fvcollapse.case.case import GRAVITY
+from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
+from fvcollapse.step.arrays import larger
+from fvcollapse.step.compiled import kernel_jit
+from fvcollapse.step.erodible_bed import layer_thickness
+
+SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
+SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
+THICKNESS_DETACHED = 1.0e-3  # m; grains beyond the first thinner place are detached from the pile
+WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
+LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
+ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
+VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
+# numbers that an experiment may give instead of, or beside, curves
+SCALAR_UNITS = {"runout": "m", "final_height": "m", "time_stop": "s", "peak_front_velocity": "m/s"}
+
+
+def thickness(level_set, dz):
+    """Length h of each vertical node line inside the grains, (nx + 1,), m.
+
+    Parameters
+    ----------
+    level_set : (nx + 1, nz + 1) array
+        Signed distance at the nodes [m], negative in the grains, linear between nodes.
+    dz : float
+        Node spacing normal to the bed [m].
+    """
+    cells = np.zeros(len(level_set))
+    cells_inside(cells, np.ascontiguousarray(level_set, float))
+    return dz * cells
+
+
+@kernel_jit(error_model="numpy")
+def cells_inside(cells, level_set):
+    """Add to `cells` (nx + 1,) how many cell edges of each vertical node line lie in the grains."""
+    for i in range(cells.size):
+        for k in range(level_set.shape[1] - 1):
+            low, high = level_set[i, k], level_set[i, k + 1]
+            if low < 0.0 or high < 0.0:
+                cells[i] += (max(-low, 0.0) + max(-high, 0.0)) / (abs(low) + abs(high))
+
+
+def speed_xface(state):
+    """Speed on the x-faces, (nx + 1, nz), m/s: u there, w averaged from the four z-faces around."""
+    w_row = 0.5 * (state.w[:, :-1] + state.w[:, 1:])
+    w_xface = np.vstack([w_row[:1], 0.5 * (w_row[:-1] + w_row[1:]), w_row[-1:]])
+    return np.hypot(state.u, w_xface)
+
+
+@kernel_jit()
+def survey_motion(filled, u, w, ill_posed):
+    """Largest speed at the centre of a cell with grains (m/s), flowing volume and ill-posed part of it (cells)."""
+    largest = flowing = part = 0.0
+    for i in range(filled.shape[0]):
+        for k in range(filled.shape[1]):
+            if filled[i, k] > 0.0:
+                along, across = 0.5 * (u[i, k] + u[i + 1, k]), 0.5 * (w[i, k] + w[i, k + 1])
+                speed = math.hypot(along, across)
+                largest = larger(largest, speed)
+                if speed > SPEED_STATIC:
+                    flowing += filled[i, k]
+                    part += ill_posed[i, k] * filled[i, k]
+    return largest, flowing, part
+
+
+def static_height(state, grid):
+    """Height of the static–flowing interface above the bed, (nx + 1,), m.
+
+    The lowest height above which every grain of the column is faster than `SPEED_STATIC`: 0 =
+    moving down to the bed, h = at rest. The speed is linear between the bed (where it is the slip
+    velocity) and the x-face centres.
+    """
+    h = thickness(state.level_set, grid.dz)
+    z = np.concatenate([[0.0], grid.dz * (np.arange(grid.nz) + 0.5), [grid.dz * grid.nz]])
+    face = speed_xface(state)
+    speed = np.column_stack([np.abs(state.bed_slip), face, face[:, -1]])
+    slow = (speed <= SPEED_STATIC) & (z < np.maximum(h, 1.0e-12)[:, None])
+    top = np.where(slow.any(axis=1), len(z) - 1 - np.argmax(slow[:, ::-1], axis=1), -1)
+    row = np.arange(len(h))
+    above = np.minimum(top + 1, len(z) - 1)
+    rise = speed[row, above] - speed[row, top]
+    share = np.where(
+        rise > 0.0, (SPEED_STATIC - speed[row, top]) / np.where(rise > 0.0, rise, 1.0), np.inf
+    )
+    height = z[top] + np.minimum(share, 1.0) * (z[above] - z[top])
+    height = np.where(speed[row, above] <= SPEED_STATIC, h, height)  # slow to the surface: at rest
+    return np.where(top < 0, 0.0, np.minimum(height, h))
+
+
+def front_position(x, h, threshold):
+    """First x from the back wall, connected to the pile, where h falls below `threshold` [m].
+
+    Linear interpolation. When the back wall itself is bare, the pile is the connected part that
+    holds the highest point. 0 if h is nowhere that thick, and the last abscissa if it never falls
+    below.
+    """
+    thick = h >= threshold
+    if not thick.any():
+        return 0.0
+    start = 0 if thick[0] else int(h.argmax())
+    i = start + int(thick[start:].argmin())  # the first that is not
+    if thick[i]:
+        return float(x[-1])
+    share = (h[i - 1] - threshold) / (h[i - 1] - h[i])
+    return float(x[i - 1] + share * (x[i] - x[i - 1]))
+
+
+def x_at_volume(x, column_volume, fraction):
+    """Abscissa behind which `fraction` of the volume lies, columns being uniform inside [m].
+
+    Parameters
+    ----------
+    x : (nx + 1,) array
+        Node abscissae [m].
+    column_volume : (nx,) array
+        Volume per unit width of each column of cells [m2].
+    fraction : float
+        0.99 for x_99.
+    """
+    volume = np.zeros(len(x))
+    np.cumsum(column_volume, out=volume[1:])
+    if volume[-1] <= 0.0:
+        return 0.0
+    i = int(volume.searchsorted(fraction * volume[-1]))
+    i = min(max(i, 1), len(column_volume))
+    share = (fraction * volume[-1] - volume[i - 1]) / column_volume[i - 1]
+    return float(x[i - 1] + share * (x[i] - x[i - 1]))
+
+
+def detached_volume(x, h):
+    """Fraction of the volume beyond the first X where h < 1 mm, h being piecewise linear."""
+    area = 0.5 * (h[:-1] + h[1:]) * (x[1:] - x[:-1])
+    total = area.sum()
+    if total <= 0.0:
+        return 0.0
+    front = front_position(x, h, THICKNESS_DETACHED)
+    i = min(int(x.searchsorted(front, side="right")) - 1, len(area) - 1)
+    h_front = np.interp(front, x, h)
+    beyond = 0.5 * (h_front + h[i + 1]) * (x[i + 1] - front) + area[i + 1 :].sum()
+    return float(beyond / total)
+
+
+def front_velocity(time, front):
+    """Least-squares slope of front(time) over a centred window of 40 ms, (n,), m/s.
+
+    At the ends the window is cut to what exists. A window with fewer than three points takes the
+    nearest ones in time order; fewer than two points in all give zero.
+    """
+    time, front = np.asarray(time, float), np.asarray(front, float)
+    n = len(time)
+    if n < 2:
+        return np.zeros(n)
+    slack = 0.5 * VELOCITY_WINDOW * (1.0 + 1.0e-9)
+    first = np.searchsorted(time, time - slack, side="left")
+    last = np.searchsorted(time, time + slack, side="right")
+    velocity = np.empty(n)
+    for j in range(n):
+        a, b = first[j], last[j]
+        if b - a < 3:
+            a = max(0, min(j - 1, n - 3))
+            b = min(n, a + 3)
+        t = time[a:b] - time[a:b].mean()
+        velocity[j] = (t @ (front[a:b] - front[a])) / (t @ t)
+    return velocity
+
+
+def peak_front_velocity(time, velocity):
+    """(value [m/s], time [s]) of the largest front velocity whose window is not cut at an end.
+
+    A one-sided slope is no peak; it counts only where the record is shorter than a window.
+    """
+    half = 0.5 * VELOCITY_WINDOW
+    centred = (time >= time[0] + half) & (time <= time[-1] - half)
+    if not centred.any():
+        centred = np.ones(len(time), dtype=bool)
+    peak = int(np.argmax(np.where(centred, velocity, -np.inf)))
+    return float(velocity[peak]), float(time[peak])
+
+
+def arrest_time(time, max_speed):
+    """First time after which nothing reaches 1 mm/s any more [s]; None if still moving."""
+    moving = np.flatnonzero(np.asarray(max_speed) >= SPEED_REST)
+    if moving.size == 0:
+        return float(time[0])
+    return float(time[moving[-1] + 1]) if moving[-1] + 1 < len(time) else None
+
+
+def numerical_loss(series):
+    """Energy that the run has lost to the discretisation since t = 0 [J/m]; negative where it gained.
+
+    Parameters
+    ----------
+    series : mapping of (n,) sequences
+        With `kinetic_energy`, `potential_energy` and the names in `ENERGY_SPENT`.
+    """
+    total = sum(
+        np.asarray(series[name], float)
+        for name in ("kinetic_energy", "potential_energy", *ENERGY_SPENT)
+    )
+    return total[0] - total if total.size else total
+
+
+def measure(state, grid, quantities, energies, case):
+    """All instantaneous series values of one state, as a dict of floats.
+
+    Parameters
+    ----------
+    state, grid, case
+        As in `Simulation`.
+    quantities : dict of (nx, nz) arrays
+        `Simulation.cell_quantities()`.
+    energies : dict
+        `Simulation.energies()` [J/m].
+    """
+    filled = quantities["filled_fraction"]
+    x = grid.dx * np.arange(grid.nx + 1)
+    layer = layer_thickness(case)
+    h = thickness(state.level_set, grid.dz) - layer
+    column_volume = filled.sum(axis=1) * (grid.dx * grid.dz)
+    kept = column_volume.sum() + state.volume_outflow
+    pile = np.maximum(column_volume - layer * grid.dx, 0.0) if layer > 0.0 else column_volume
+    fastest, flowing, ill_posed = survey_motion(filled, state.u, state.w, quantities["ill_posed"])
+    return {
+        "time": state.time,
+        "front_position": front_position(x, h, case.front.thickness),
+        "front_1mm": front_position(x, h, 1.0e-3),
+        "front_10mm": front_position(x, h, 1.0e-2),
+        "x_99": x_at_volume(x, pile, 0.99),
+        "max_thickness": float(h.max()),
+        "detached_volume": detached_volume(x, np.maximum(h, 0.0)),
+        "relative_volume": float(kept / state.volume_0 - 1.0),
+        "volume_correction": float(state.volume_correction / state.volume_0),
+        "kinetic_energy": float(energies["kinetic"]),
+        "potential_energy": float(energies["potential"]),
+        **{name: getattr(state, name) for name in (*ENERGY_SPENT, *LOSSES)},
+        "max_speed": fastest,
+        "ill_posed_fraction": _ratio(ill_posed, flowing),
+        "negative_pressure_cells": _cells_in_suction(quantities, case),
+    }
+
+
+def _cells_in_suction(quantities, case):
+    """Number of cells with p below −1e-6 of the hydrostatic scale, above round-off; p is 0 without grains."""
+    scale = case.rheology.density_bulk * GRAVITY * case.geometry.height_0
+    return int(np.count_nonzero(quantities["pressure"] < -1.0e-6 * scale))
+
+
+def _ratio(part, whole):
+    return float(part / whole) if whole > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Observations:
+    """Simulated quantities in the form of an experiment folder; SI units.
+
+    `front` (n, 2) is time and position; `profiles` and `interface` (n, 3) are time, x and height;
+    `volume` (n, 2) is time and relative change; `scalars` maps the names of `SCALAR_UNITS` to a number
+    (time_stop None: still moving).
+    """
+
+    front: np.ndarray
+    profiles: np.ndarray
+    volume: np.ndarray
+    interface: np.ndarray
+    scalars: dict
+
+    def rows(self):
+        """The same as rows (name, time, position, value, units); None where meaningless."""
+        rows = [("front", t, None, value, "m") for t, value in self.front]
+        rows += [("thickness", t, x, value, "m") for t, x, value in self.profiles]
+        rows += [("volume", t, None, value, "1") for t, value in self.volume]
+        rows += [("static_height", t, x, value, "m") for t, x, value in self.interface]
+        return rows + [
+            (name, None, None, value, SCALAR_UNITS[name]) for name, value in self.scalars.items()
+        ]
+
+
+def observe(result, experiment=None, *, front_thickness=None, time_origin=None, case=None):
+    """Read `Observations` off a result, with the front threshold and time origin of an experiment.
+
+    The effects of the case that change what is seen and not what flows act here
+    (`fvcollapse.measure.observation`); the series of the result itself are without them.
+
+    Parameters
+    ----------
+    result : Result
+        As returned by `open_result` or `run`.
+    experiment : object, optional
+        Its `front_thickness` [m] and `time_origin` [s] are used unless given here.
+    front_thickness : float, optional
+        Thickness that defines the front [m]; default: the one of the case, from the series of every
+        step. Another one is read off the stored profiles.
+    time_origin : float, optional
+        Simulated time that counts as t = 0 [s]; default 0. The effect `time_origin` adds to it.
+    case : Case, optional
+        Case whose effects of the observation act; default: that of the result. The result must be
+        of the same flow (`observation.flow_case`).
+    """
+    if front_thickness is None:
+        front_thickness = getattr(experiment, "front_thickness", None)
+    if time_origin is None:
+        time_origin = getattr(experiment, "time_origin", 0.0)
+    case = result.case if case is None else case
+    profiles, series = result.profiles, result.series
+    if front_thickness is None or front_thickness == result.case.front.thickness:
+        front = np.column_stack([series["time"], series["front_position"]])
+        velocity = series["front_velocity"]
+    else:
+        position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
+        front = np.column_stack([profiles.time, position])
+        velocity = front_velocity(profiles.time, position)
+    seen = seen_front(*front.T, case)
+    if not np.array_equal(seen, front[:, 1]):
+        velocity = front_velocity(front[:, 0], seen)
+    front[:, 1] = seen
+    profiles = profiles._replace(x=seen_place(profiles.x, case))
+    time_origin += seen_time_origin(case)
+    stop = arrest_time(series["time"], series["max_speed"])
+    scalars = {
+        "runout": float(front[:, 1].max()),
+        "final_height": float(series["max_thickness"][-1]),
+        "time_stop": None if stop is None else stop - time_origin,
+        "peak_front_velocity": peak_front_velocity(front[:, 0], velocity)[0],
+    }
+    volume = np.column_stack([series["time"], series["relative_volume"]])
+    shift = np.array([time_origin, 0.0])
+    return Observations(
+        front - shift,
+        _long_form(profiles, profiles.thickness, time_origin),
+        volume - shift,
+        _long_form(profiles, profiles.static_height, time_origin),
+        scalars,
+    )
+
+
+def _long_form(profiles, values, time_origin):
+    """Rows (time, x, value) of a (m, nx) array of profiles."""
+    time = np.repeat(profiles.time - time_origin, len(profiles.x))
+    return np.column_stack([time, np.tile(profiles.x, len(profiles.time)), values.ravel()])

@@ -1,0 +1,1 @@
+"""What a run leaves behind: series, profiles and fields, checkpoint, result file."""

@@ -1,0 +1,192 @@
+"""Version of the solver: a digest of the code that turns a resolved case into numbers.
+
+The digest is that of a graph. Its nodes are the top-level definitions (functions, classes, constants)
+that a run reaches from `ROOTS`, its edges the references between them. It does not depend on the file
+in which a definition stands, and it leaves out all that gives no number:
+
+- comments, docstrings, annotations, layout and imports of the package itself;
+- the text of an error that is raised;
+- the fields of the sections of a case. Their values are part of the resolved case, which stands beside
+  the digest in every key of the cache; their units, bounds, defaults and descriptions only decide which
+  cases there are. The methods of a section count;
+- priors, and what else an `Effect` says of calibration (`NO_NUMBERS`): they decide which cases a
+  diagnosis runs, not what these give.
+
+An effect that is off changes no bit of a run, which the tests of the catalogue check. The tables that
+list the effects (`EFFECT_TABLES`) are therefore no part of the graph. What an entry of such a table
+reaches counts where the effect is on: the definition `change_<effect>` of `effects.py`, or `EFFECT` in
+`effects/<effect>.py`. A new effect voids no run without it. Code of an effect that is called by name
+from elsewhere, as the terms of the step are today, counts for all cases.
+
+Two versions of Python may disagree on the digest. Two solvers have the same digest only if their
+definitions are the same, apart from what is left out.
+"""
+
+import ast
+import hashlib
+from functools import cache
+from pathlib import Path
+
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
+from fvcollapse.version import __version__
+
+# (module, definition) that a run starts from: fields, series, profiles and what is observed of them
+ROOTS = (
+    ("case.case", "Case"),
+    ("effects.catalogue", "with_effects"),
+    ("simulation", "Simulation"),
+    ("output.recorder", "Recorder"),
+    ("output.recorder", "schedule"),
+    ("measure.observation", "flow_case"),
+    ("measure.observables", "observe"),
+)
+KEY_CHANGES = ("effects.catalogue", "KEY_CHANGES")
+EFFECT_TABLES = ("CATALOGUE", KEY_CHANGES[1])
+OUTSIDE = ("errors", "files.storage")  # modules that give no numbers: their names are not followed
+CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
+PROSE = ("key", "Prior")  # calls that describe a value
+EFFECT, NO_NUMBERS = "Effect", ("priors", "absorbed_in", "refuse")  # and arguments of it
+SECTION, DEFINE_SECTION = ("Section", "_Effects"), "defstruct"
+
+
+def solver_version(effects=None):
+    """The version and a digest, such as "0.1.0+1f0c…".
+
+    Parameters
+    ----------
+    effects : sequence of str, optional
+        Effects that are on, in any order; default all of the catalogue.
+    """
+    names = tuple(name for name in CATALOGUE if effects is None or name in effects)
+    return f"{__version__}+{solver_digest(Path(__file__).parents[1], names)[:12]}"
+
+
+@cache
+def solver_digest(package, effects):
+    """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
+    code = solver_code(package)
+    lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
+    order = [*effects, *changes_in_order(code, effects)]
+    return hashlib.sha256("\n".join([*order, *lines]).encode()).hexdigest()
+
+
+@cache
+def solver_code(package):
+    """The `CodeGraph` of a package; each file is parsed once."""
+    return CodeGraph(package, Counted, frozenset(OUTSIDE), frozenset(EFFECT_TABLES))
+
+
+def roots_of(code, effect):
+    """Places of the entries of an effect in the tables of effects."""
+    places = (("effects.catalogue", f"change_{effect}"), (f"effects.{effect}", "EFFECT"))
+    return [place for place in places if code.node(*place) is not None]
+
+
+def changes_in_order(code, effects):
+    """Names of the changes of keys of some effects, in the order in which they are applied."""
+    table = code.node(*KEY_CHANGES)
+    names = (part.id for part in ast.walk(table or ast.Pass()) if isinstance(part, ast.Name))
+    return [name for name in names if name.removeprefix("change_") in effects]
+
+
+def is_section(node):
+    """Whether a statement defines a section of a case."""
+    if isinstance(node, ast.Assign):
+        return called_name(node.value) == DEFINE_SECTION
+    bases = getattr(node, "bases", ()) if isinstance(node, ast.ClassDef) else ()
+    return any(isinstance(base, ast.Name) and base.id in SECTION for base in bases)
+
+
+class Counted(ast.NodeTransformer):
+    """Reduces a definition to what counts, and calls the definitions that it names by their own names.
+
+    Attributes
+    ----------
+    target : function
+        Of a `Name` or `Attribute`: the place (module, name) of what it names, or None.
+    places, names : set
+        The places that were named; the names that are none of the package.
+    """
+
+    def __init__(self, target):
+        self.target, self.places, self.names = target, set(), set()
+
+    def reduced(self, node):
+        """The text of a definition, "" of a section without methods; `places` is what it refers to."""
+        section = is_section(node)
+        if section:
+            self.note_fields(node)
+        if section and isinstance(node, ast.Assign):
+            return ""
+        if section:
+            node.body = [part for part in node.body if is_method(part)]
+            if not node.body:
+                return ""
+        return ast.unparse(ast.fix_missing_locations(self.visit(node)))
+
+    def note_fields(self, section):
+        """Note the sections inside a section: their methods count."""
+        waiting = [section]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.FunctionDef) or called_name(node) in PROSE:
+                continue
+            if isinstance(node, ast.Name | ast.Attribute):
+                self.visit_reference(node)
+            waiting += ast.iter_child_nodes(node)
+
+    def visit_reference(self, node):
+        """A `Name` or `module.name` of the package: the name of the definition; else the node."""
+        place = self.target(node)
+        if place is None:
+            self.names |= {node.id} if isinstance(node, ast.Name) else set()
+            return node
+        self.places.add(place)
+        return ast.Name(place[1], node.ctx)
+
+    visit_Name = visit_reference
+
+    def visit_Attribute(self, node):  # noqa: N802
+        """An attribute, also of a module of the package."""
+        found = self.visit_reference(node)
+        return found if found is not node else self.generic_visit(node)
+
+    def visit_body(self, node):
+        """A function, class or module: without docstrings and imports."""
+        node.body = [
+            part for part in node.body if not is_docstring(part) and not is_import(part)
+        ] or [ast.Pass()]
+        return self.generic_visit(node)
+
+    visit_Module = visit_ClassDef = visit_body
+
+    def visit_FunctionDef(self, node):  # noqa: N802
+        """A function: without the annotation of its result."""
+        node.returns = None
+        return self.visit_body(node)
+
+    def visit_arg(self, node):
+        """An argument: its name."""
+        node.annotation = None
+        return node
+
+    def visit_Raise(self, node):  # noqa: N802
+        """An error that is raised: its class."""
+        if isinstance(node.exc, ast.Call):
+            node.exc = node.exc.func
+        return self.generic_visit(node)
+
+    def visit_Call(self, node):  # noqa: N802
+        """A call: None if it only describes a value."""
+        name = called_name(node)
+        if name in PROSE:
+            return ast.Constant(None)
+        if name == EFFECT:
+            node.keywords = [part for part in node.keywords if part.arg not in NO_NUMBERS]
+        return self.generic_visit(node)
+
+
+def is_method(node):
+    """Whether a statement of a section is a method that gives numbers."""
+    return isinstance(node, ast.FunctionDef) and node.name not in CASE_FILE

@@ -1,0 +1,341 @@
+"""What a run leaves behind: series at every step, profiles, fields, step log.
+
+The schedule is a pure function of the case, so that a resumed run lands on the same times to the
+last bit. Fields are compressed once, into an HDF5 file in memory, from where each result and
+checkpoint copies them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.files.storage import memory_file, write_dataset
+from fvcollapse.measure.observables import (
+    front_velocity,
+    measure,
+    numerical_loss,
+    static_height,
+    thickness,
+)
+from fvcollapse.step.erodible_bed import layer_thickness
+from fvcollapse.step.state import EFFECT_FIELDS
+
+SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
+
+# name: (units, description); one value per step and one at t = 0
+SERIES = {
+    "time": ("s", "time since the gate starts to rise"),
+    "front_position": (
+        "m",
+        "first X, connected to the pile, where the thickness falls below front.thickness",
+    ),
+    "front_velocity": ("m/s", "least-squares slope of front_position over a centred 40 ms window"),
+    "runout": ("m", "running maximum of front_position, from X = 0"),
+    "runout_1mm": ("m", "running maximum of the front at 1 mm thickness"),
+    "runout_10mm": ("m", "running maximum of the front at 10 mm thickness"),
+    "x_99": ("m", "X behind which 99 % of the volume lies"),
+    "max_thickness": ("m", "largest thickness normal to the bed"),
+    "detached_volume": (
+        "1",
+        "fraction of the volume beyond the first X where the thickness is below 1 mm",
+    ),
+    "relative_volume": (
+        "1",
+        "V(t)/V(0) - 1; material that left through an open end counts as kept",
+    ),
+    "volume_correction": ("1", "running sum of |volume corrections| / V(0), unsigned"),
+    "kinetic_energy": ("J/m", "kinetic energy per unit width"),
+    "potential_energy": (
+        "J/m",
+        "potential energy per unit width, zero at the foot of the back wall",
+    ),
+    "work_bulk": ("J/m", "energy dissipated inside the grains since t = 0"),
+    "work_bed": ("J/m", "energy dissipated by slip along the bed since t = 0"),
+    "work_back_wall": ("J/m", "energy dissipated by slip along the back wall since t = 0"),
+    "work_lateral": ("J/m", "energy dissipated at the lateral walls since t = 0"),
+    "work_gate": (
+        "J/m",
+        "energy dissipated along the gate less what its motion gives the grains, since t = 0",
+    ),
+    "loss_time": ("J/m", "energy lost to the first-order time step since t = 0"),
+    "loss_advection": (
+        "J/m",
+        "kinetic energy lost by advection, and by continuing the velocity beyond the surface, since t = 0",
+    ),
+    "loss_surface": (
+        "J/m",
+        "potential energy lost (negative: gained) by the motion and correction of the surface since t = 0",
+    ),
+    "energy_outflow": (
+        "J/m",
+        "energy that left through an open end since t = 0, less what came with an erodible layer",
+    ),
+    "numerical_loss": (
+        "J/m",
+        "what closes the energy budget: all that is lost to the discretisation since t = 0",
+    ),
+    "max_speed": ("m/s", "largest speed at the centre of a cell that holds grains"),
+    "ill_posed_fraction": (
+        "1",
+        "part of the flowing volume (faster than 0.01 m/s) where the model is ill-posed",
+    ),
+    "negative_pressure_cells": ("1", "number of cells in suction"),
+}
+SINCE_RELEASED = ("work_gate",)  # zero in a file written before there was such a series
+DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
+RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
+PROFILES = {
+    "thickness": ("m", "thickness h(X, t) normal to the bed; above an erodible layer, if any"),
+    "static_height": (
+        "m",
+        "height of the static-flowing interface (speed 0.01 m/s); 0 = moving down to the bed "
+        "(or to the surface of an erodible layer, negative within it)",
+    ),
+}
+STEPS = {
+    "time": ("s", "time at the end of the step"),
+    "dt": ("s", "length of the step"),
+    "sweeps": ("1", "nonlinear iterations"),
+    "linear_iterations": ("1", "iterations of the linear solver"),
+    "residual": (
+        "1",
+        "relative residual of the nonlinear iteration at the end of the step, infinity norm",
+    ),
+    "divergence": ("1", "largest divergence left, times the step"),
+    "capped": ("1", "1 where the iteration stopped at its cap, above the tolerance"),
+    "volume_correction": ("m2", "volume correction of the step, signed, per unit width"),
+    "wall_time": ("s", "wall-clock time of the step"),
+}
+FIELDS = {
+    "level_set": ("m", "signed distance to the free surface at the nodes, negative in the grains"),
+    "u": ("m/s", "velocity along the bed on the x-faces"),
+    "w": ("m/s", "velocity normal to the bed on the z-faces"),
+    "pressure": ("Pa", "pressure at the cell centres"),
+    "shear_rate": ("1/s", "sqrt(2 D:D) at the cell centres"),
+    "viscosity": ("Pa s", "effective viscosity at the cell centres"),
+    "inertial_number": ("1", "inertial number at the cell centres"),
+}
+NOT_STORED = ("filled_fraction", "ill_posed")  # cell quantities that follow from the stored fields
+
+
+class Landing(NamedTuple):
+    """A time that a step must end on, and what is recorded there."""
+
+    time: float
+    profile: bool
+    field: bool
+
+
+def schedule(case):
+    """All `Landing`s of a case in order; times are k * interval, never accumulated."""
+    end = case.time.end
+    wanted = [(0.0, True, True)]
+    wanted += [(time, True, False) for time in multiples(case.time.output_interval, end)]
+    wanted += [(time, False, True) for time in multiples(case.time.field_interval, end)]
+    wanted += [(time, True, True) for time in case.time.output_times if time <= end]
+    wanted.append((end, True, True))
+    merged = []
+    for time, profile, field in sorted(wanted, key=lambda item: item[0]):
+        if merged and time - merged[-1].time < SAME_TIME:
+            merged[-1] = Landing(
+                merged[-1].time, merged[-1].profile or profile, merged[-1].field or field
+            )
+        else:
+            merged.append(Landing(time, profile, field))
+    return merged
+
+
+def multiples(interval, end):
+    """Values k * interval for k = 1, 2, … up to the end (and the round-off of it)."""
+    return [k * interval for k in range(1, int(end / interval + SAME_TIME) + 1)]
+
+
+class Recorder:
+    """Accumulates what a run leaves behind; `write` and `read` are exact inverses.
+
+    Attributes
+    ----------
+    series, steps : dict of lists
+        One value per step; `series` has one more, at t = 0.
+    profile_times, profiles : list, dict of lists of (nx + 1,) arrays
+        The arrays grow with the domain.
+    store : h5py.File
+        In memory; /fields/<index> and /paraview/<index>.
+    """
+
+    def __init__(self):
+        self.series = {name: [] for name in SERIES if name not in DERIVED}
+        self.steps = {}
+        self.profile_times, self.x = [], np.zeros(0)
+        self.profiles = {name: [] for name in PROFILES}
+        self.store = memory_file()
+        for name in ("fields", "paraview"):
+            self.store.create_group(name)
+
+    # -- while the run goes on -------------------------------------------------------------------
+
+    def add_series(self, simulation):
+        """Append the instantaneous values of the present state, and the running ones."""
+        quantities = simulation.cell_quantities()
+        row = measure(
+            simulation.state,
+            simulation.grid,
+            quantities,
+            simulation.energy,
+            simulation.case,
+        )
+        for name, source in RUNNING.items():
+            previous = self.series[name]
+            row[name] = max(previous[-1], row[source]) if previous else row[source]
+        for name, values in self.series.items():
+            values.append(row[name])
+
+    def add_step(self, record, wall_time):
+        """Append a `StepRecord`."""
+        for name, value in (record._asdict() | {"wall_time": wall_time}).items():
+            self.steps.setdefault(name, []).append(value)
+
+    def add_snapshot(self, simulation, landing):
+        """Record the profile and the field that are due at a landing."""
+        if landing.profile:
+            self.add_profile(simulation)
+        if landing.field:
+            self.add_field(simulation)
+
+    def add_profile(self, simulation):
+        """Append thickness and static–flowing interface, from the surface of an erodible layer."""
+        state, grid, layer = simulation.state, simulation.grid, layer_thickness(simulation.case)
+        self.profile_times.append(state.time)
+        self.x = grid.dx * np.arange(grid.nx + 1)
+        self.profiles["thickness"].append(thickness(state.level_set, grid.dz) - layer)
+        self.profiles["static_height"].append(static_height(state, grid) - layer)
+
+    def add_field(self, simulation):
+        """Compress the present fields into /fields/<index>, and what ParaView needs beside."""
+        state, grid = simulation.state, simulation.grid
+        own = ("level_set", "u", "w", *state.effect_fields())
+        arrays = {name: getattr(state, name) for name in own}
+        arrays |= {
+            name: a for name, a in simulation.cell_quantities().items() if name not in NOT_STORED
+        }
+        index = str(len(self.store["fields"]))
+        group = self.store["fields"].create_group(index)
+        group.attrs["time"] = state.time
+        group.attrs["dx"], group.attrs["dz"] = grid.dx, grid.dz
+        for name, values in arrays.items():
+            write_dataset(group, name, values, *about_field(name))
+        write_paraview(self.store["paraview"].create_group(index), state, grid)
+
+    def drop_end(self, landings, end):
+        """Forget the snapshots at a previous `end` that are not in the present schedule."""
+        here = [landing for landing in landings if abs(landing.time - end) < SAME_TIME]
+        profile, field = (
+            any(landing.profile for landing in here),
+            any(landing.field for landing in here),
+        )
+        if not profile and self.profile_times and abs(self.profile_times[-1] - end) < SAME_TIME:
+            for values in (self.profile_times, *self.profiles.values()):
+                values.pop()
+        last = str(len(self.store["fields"]) - 1)
+        if (
+            not field
+            and last != "-1"
+            and abs(self.store["fields"][last].attrs["time"] - end) < SAME_TIME
+        ):
+            del self.store["fields"][last], self.store["paraview"][last]
+
+    # -- to and from a file ----------------------------------------------------------------------
+
+    def write(self, file):
+        """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
+        columns = self.series | {
+            "front_velocity": front_velocity(self.series["time"], self.series["front_position"]),
+            "numerical_loss": numerical_loss(self.series),
+        }
+        for name, about in SERIES.items():
+            write_dataset(file.require_group("series"), name, np.array(columns[name]), *about)
+        for name in STEPS | self.steps:
+            about = STEPS.get(name, ("SI", name.replace("_", " ")))
+            write_dataset(
+                file.require_group("steps"), name, np.array(self.steps.get(name, [])), *about
+            )
+        group = file.create_group("profiles")
+        write_dataset(group, "time", np.array(self.profile_times), "s", "times of the profiles")
+        write_dataset(group, "x", self.x, "m", "distance along the bed from the back wall")
+        for name, about in PROFILES.items():
+            write_dataset(group, name, pad_rows(self.profiles[name], len(self.x)), *about)
+        for name in ("fields", "paraview"):
+            self.store.copy(name, file)
+
+    @classmethod
+    def read(cls, file):
+        """The recorder that wrote this file."""
+        check_layout(file)
+        recorder = cls()
+        recorder.series = {name: file["series"][name][:].tolist() for name in recorder.series}
+        recorder.steps = {name: file["steps"][name][:].tolist() for name in file["steps"]}
+        recorder.profile_times = file["profiles/time"][:].tolist()
+        recorder.x = file["profiles/x"][:]
+        recorder.profiles = {name: list(file["profiles"][name][:]) for name in PROFILES}
+        for name in ("fields", "paraview"):
+            del recorder.store[name]
+            file.copy(name, recorder.store)
+        return recorder
+
+
+def about_field(name):
+    """(units, description) of a field of the flow or of an effect."""
+    if name in EFFECT_FIELDS:
+        return EFFECT_FIELDS[name][2:]
+    return FIELDS.get(name, ("SI", name.replace("_", " ")))
+
+
+def check_layout(file):
+    """Raise KeyError or ValueError unless all that a recorder wrote is there and fits together."""
+    n = file["series/time"].size
+    profile = (file["profiles/time"].size, file["profiles/x"].size)
+    shapes = {f"series/{name}": (n,) for name in SERIES if stored(file, name)}
+    shapes |= {f"steps/{name}": (n - 1,) for name in [*STEPS, *file["steps"]]}
+    shapes |= {f"profiles/{name}": profile for name in PROFILES}
+    for name, shape in shapes.items():
+        if file[name].shape != shape:
+            raise ValueError(f"{name} has shape {file[name].shape} instead of {shape}")
+    for index in range(len(file["fields"])):
+        if not set(FIELDS) <= set(file["fields"][str(index)]):
+            raise KeyError(f"fields/{index}")
+
+
+def stored(file, name):
+    """Whether the series is in the file, or has to be: one that came later may be absent."""
+    return name in file["series"] or name not in SINCE_RELEASED
+
+
+def read_series(file):
+    """All series of a result, (n,) each."""
+    absent = np.zeros(file["series/time"].size)
+    return {
+        name: file["series"][name][:] if stored(file, name) else absent.copy() for name in SERIES
+    }
+
+
+def pad_rows(rows, width):
+    """Rows of growing length as one array, with zeros where the domain did not reach yet."""
+    table = np.zeros((len(rows), width))
+    for row, values in zip(table, rows, strict=True):
+        row[: len(values)] = values
+    return table
+
+
+def write_paraview(group, state, grid):
+    """Node coordinates and cell-centred velocity, (…, 3): what XDMF cannot express.
+
+    ParaView's y is z here (normal to the bed), so that its first view shows the pile upright.
+    """
+    x, z = grid.dx * np.arange(grid.nx + 1), grid.dz * np.arange(grid.nz + 1)
+    coordinates = np.zeros((grid.nx + 1, grid.nz + 1, 3), np.float32)
+    coordinates[..., 0], coordinates[..., 1] = x[:, None], z[None, :]
+    velocity = np.zeros((grid.nx, grid.nz, 3), np.float32)
+    velocity[..., 0] = 0.5 * (state.u[:-1] + state.u[1:])
+    velocity[..., 1] = 0.5 * (state.w[:, :-1] + state.w[:, 1:])
+    write_dataset(group, "coordinates", coordinates, "m", "x, z and 0 of the nodes")
+    write_dataset(group, "velocity", velocity, "m/s", "u, w and 0 at the cell centres")

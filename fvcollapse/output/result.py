@@ -1,0 +1,216 @@
+"""A result, read only: series, profiles, fields, and its summary."""
+
+import io
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.case.case import case_from_text
+from fvcollapse.files.storage import reading, text_attribute
+from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
+from fvcollapse.output.recorder import SERIES, check_layout, read_series
+from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
+
+FORMAT = "fvcollapse-result"
+
+
+class Profiles(NamedTuple):
+    """Profiles over the nodes x (nx,) at the times (m,); heights (m, nx); all in m and s."""
+
+    time: np.ndarray
+    x: np.ndarray
+    thickness: np.ndarray
+    static_height: np.ndarray
+
+
+class Result:
+    """Read-only view of `result.h5`.
+
+    Attributes
+    ----------
+    series, steps : dict of (n,) arrays
+        Named as in the file; each series is an attribute as well (`result.runout`).
+    profiles : Profiles
+    case : Case
+    complete : bool
+        False while the run goes on, or after it was interrupted or failed.
+    status : str
+        "complete", "running", "interrupted", "stopped: why" (a stated limit) or "failed: why".
+    trust : Trust
+        Whether the result is to be used, and why not.
+    field_times : (n_fields,) array
+    path : Path or None
+        None for a run in memory.
+    """
+
+    def __init__(self, source):
+        self._source = source
+        self.path = None if isinstance(source, io.BytesIO) else Path(source)
+        with reading(source, FORMAT) as file:
+            check_layout(file)
+            self.complete = bool(file.attrs["complete"])
+            self.status = read_status(file, self.complete)
+            self.code_version = text_attribute(file, "code_version")
+            self.case_text = text_attribute(file, "case")
+            self.series = read_series(file)
+            self.steps = {name: data[:] for name, data in file["steps"].items()}
+            self.profiles = Profiles(*(file["profiles"][name][:] for name in Profiles._fields))
+            self.field_times = read_field_times(file)
+            trust = read_trust(file)
+        self.case = case_from_text(self.case_text, self.path or "result")
+        capped, count = int(self.steps["capped"].sum()), len(self.steps["capped"])
+        self.trust = trust or trust_of(
+            self.status, self.series["relative_volume"], capped, count, self.case
+        )
+
+    def __getattr__(self, name):
+        if name in SERIES:
+            return self.series[name]
+        raise AttributeError(f"a result has no {name}")
+
+    def field(self, index):
+        """Fields of one stored time (−1: the last): dict of arrays, and floats time, dx, dz."""
+        index = range(len(self.field_times))[index]
+        with reading(self._source, FORMAT) as file:
+            group = file["fields"][str(index)]
+            arrays = {name: data[:] for name, data in group.items()}
+            return arrays | {name: float(group.attrs[name]) for name in ("time", "dx", "dz")}
+
+    def summary(self):
+        """The numbers of the summary table, SI units; `arrest_time` is None when not at rest."""
+        series, steps = self.series, self.steps
+        peak, peak_time = peak_front_velocity(series["time"], series["front_velocity"])
+        return {
+            "complete": self.complete,
+            "status": self.status,
+            "trust": self.trust.verdict,
+            "trust_reasons": "; ".join(self.trust.reasons),
+            "time": float(series["time"][-1]),
+            "runout_10mm": float(series["runout_10mm"][-1]),
+            "runout": float(series["runout"][-1]),
+            "runout_1mm": float(series["runout_1mm"][-1]),
+            "x_99": float(series["x_99"][-1]),
+            "final_thickness": float(series["max_thickness"][-1]),
+            "max_thickness": float(series["max_thickness"].max()),
+            "peak_front_velocity": peak,
+            "peak_front_velocity_time": peak_time,
+            "arrest_time": arrest_time(series["time"], series["max_speed"]),
+            "final_max_speed": float(series["max_speed"][-1]),
+            "volume_error_max": float(np.abs(series["relative_volume"]).max()),
+            "volume_correction": float(series["volume_correction"][-1]),
+            **{name: float(series[name][-1]) for name in LOSSES},
+            "numerical_loss": float(series["numerical_loss"][-1]),
+            "dissipation": float(sum(series[name][-1] for name in WORKS)),
+            "detached_volume_max": float(series["detached_volume"].max()),
+            "negative_pressure_cells_max": int(series["negative_pressure_cells"].max()),
+            "steps": len(steps["dt"]),
+            "sweeps": int(steps["sweeps"].sum()),
+            "capped_steps": int(steps["capped"].sum()),
+            "residual_max": float(steps["residual"].max(initial=0.0)),
+            "wall_time": float(steps["wall_time"].sum()),
+        }
+
+    def summary_table(self):
+        """The summary as aligned plain text."""
+        rows = summary_rows(self.summary(), self.case)
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
+
+
+def open_result(path):
+    """The result at `path`: the file, or the folder that holds `result.h5`.
+
+    Raises
+    ------
+    InputError
+        One line, if it is missing, truncated, or no result.
+    """
+    path = Path(path)
+    return Result(path / "result.h5" if path.is_dir() else path)
+
+
+def write_status(file, status, trust):
+    """How the run stands, and whether it is to be trusted, as root attributes of an open result.
+
+    Parameters
+    ----------
+    file : h5py.File
+    status : str
+        See `Result`.
+    trust : Trust
+    """
+    file.attrs["complete"] = status == COMPLETE
+    file.attrs["status"] = status
+    file.attrs["trust"] = trust.verdict
+    file.attrs["trust_reasons"] = json.dumps(trust.reasons)
+
+
+def read_status(file, complete):
+    """`Result.status`; of a file that was written before there was such an attribute, what it implies."""
+    if "status" in file.attrs:
+        return text_attribute(file, "status")
+    return COMPLETE if complete else INTERRUPTED
+
+
+def read_trust(file):
+    """The `Trust` in a file; None if it was written before there was one."""
+    if "trust" not in file.attrs:
+        return None
+    reasons = json.loads(text_attribute(file, "trust_reasons"))
+    return Trust(text_attribute(file, "trust"), tuple(map(str, reasons)))
+
+
+def read_field_times(file):
+    """Times of the fields in order; the groups are numbered from 0."""
+    fields = file["fields"]
+    return np.array([fields[str(index)].attrs["time"] for index in range(len(fields))])
+
+
+def share_of_dissipation(summary, name):
+    """An energy of the summary as % of all that was dissipated."""
+    total = summary["dissipation"] + summary["numerical_loss"]
+    return 100.0 * summary[name] / total if total > 0.0 else 0.0
+
+
+def summary_rows(summary, case):
+    """Name and value, as text, of each line of the summary table."""
+    s = summary
+    arrest = (
+        f"{s['arrest_time']:.3f} s"
+        if s["arrest_time"] is not None
+        else (f"not at rest ({s['final_max_speed']:.3g} m/s)")
+    )
+    return [
+        (
+            "simulated time",
+            f"{s['time']:.4g} s"
+            + ("" if s["complete"] else f" of {case.time.end:g} s (incomplete)"),
+        ),
+        ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
+        ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
+        (f"runout at {1000 * case.front.thickness:g} mm thickness", f"{s['runout']:.4f} m"),
+        ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
+        ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
+        ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),
+        (
+            "peak front velocity",
+            f"{s['peak_front_velocity']:.3f} m/s at {s['peak_front_velocity_time']:.3f} s",
+        ),
+        ("arrest (below 1 mm/s)", arrest),
+        ("largest volume error", f"{100 * s['volume_error_max']:.2e} %"),
+        ("sum of |volume corrections|", f"{100 * s['volume_correction']:.3f} %"),
+        (
+            "energy lost to the discretisation",
+            f"{share_of_dissipation(s, 'numerical_loss'):.2f} % of the dissipation (time step "
+            f"{share_of_dissipation(s, 'loss_time'):.2f}, advection "
+            f"{share_of_dissipation(s, 'loss_advection'):.2f}, surface "
+            f"{share_of_dissipation(s, 'loss_surface'):.2f})",
+        ),
+        ("largest detached volume", f"{100 * s['detached_volume_max']:.4f} %"),
+        ("largest number of cells in suction", f"{s['negative_pressure_cells_max']}"),
+        ("steps, sweeps", f"{s['steps']}, {s['sweeps']}"),
+        ("capped steps", f"{s['capped_steps']} (largest residual {s['residual_max']:.1e})"),
+        ("wall time of the time loop", f"{s['wall_time']:.1f} s"),
+    ]

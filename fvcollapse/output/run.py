@@ -1,0 +1,302 @@
+"""Running a case into a folder: result, checkpoint, log; interruption and resumption.
+
+A checkpoint is always written before the result that goes with it, so that a complete result has a
+checkpoint of its end. Both are replaced atomically about every 20 s of wall time, when a run is
+interrupted or fails, and at the end.
+"""
+
+import io
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from fvcollapse.case.case import case_from_text
+from fvcollapse.console.terminal import deferred_interrupt, log_start, progress_bar, run_log
+from fvcollapse.errors import InputError, OutputError, as_output_error, failures_named
+from fvcollapse.files.storage import build_image, write_atomic
+from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
+from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
+from fvcollapse.output.result import FORMAT, Result, open_result, write_status
+from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
+from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
+from fvcollapse.output.xdmf import xdmf_text
+from fvcollapse.simulation import Simulation
+
+RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
+CHECKPOINT_INTERVAL = 20.0  # s of wall time
+SAVING_SHARE = 0.05  # part of the wall time that saving may take in a large run
+CAPPED_LOGGED = 20  # capped steps that are logged one by one
+OUTPUT_KEYS = ("time.end", "time.output_interval", "time.field_interval", "time.output_times")
+
+
+def run(case, folder=None):
+    """Run a case; with a folder as the command line does, without one in memory only.
+
+    Returns
+    -------
+    Result
+    """
+    if folder is not None:
+        return run_case(case, folder, quiet=True)
+    with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
+        job = Job(case)
+        job.march(bar)
+    return Result(io.BytesIO(job.result_image(COMPLETE)))
+
+
+def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL):
+    """Run a case into `folder`, or continue what is there.
+
+    Parameters
+    ----------
+    case : Case
+    folder : str or Path
+        Made if need be.
+    resume : bool
+        Continue from the checkpoint there, if it is usable; do nothing when the run has reached its
+        end.
+    quiet : bool
+        No progress bar (there is none either when stderr is not a terminal).
+    checkpoint_interval : float
+        Wall time between checkpoints [s].
+
+    Raises
+    ------
+    InputError
+        The folder holds a result (without `resume`), or one of another case (with it).
+    OutputError
+        The folder is not writable, or the disk is full; the previous files are intact.
+    NumericalError, KeyboardInterrupt
+        After the last good state was saved. A want of memory, say, is a NumericalError too.
+    """
+    folder = Path(folder)
+    if not resume:
+        refuse_existing(folder)
+    with run_log(folder) as log:
+        stored = usable_checkpoint(folder, log) if resume else None
+        previous = finished_result(case, folder, stored, log) if resume else None
+        if previous is not None:
+            log.info(
+                "nothing to do: the result is complete to t = %g s", previous.series["time"][-1]
+            )
+            return previous
+        if stored is not None and stored.state.time > case.time.end + SAME_TIME:
+            reached = f">= {stored.state.time:g}, the time already reached"
+            raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
+        log_start(log, case, stored)
+        with failures_named():
+            job = Job(case, stored)
+        keeper = Keeper(job, folder, log, checkpoint_interval)
+        keeper.save(RUNNING)
+        with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
+            keeper.march(bar, interrupted)
+        result = open_result(folder)
+        log.info("done\n%s", result.summary_table())
+    return result
+
+
+class Job:
+    """A simulation with its recorder: the two always belong to the same instant after `step`."""
+
+    def __init__(self, case, stored=None):
+        self.case, self.landings = case, schedule(case)
+        if stored is None:
+            self.simulation, self.recorder = Simulation(case), Recorder()
+            self.recorder.add_series(self.simulation)
+            self.recorder.add_snapshot(self.simulation, self.landings[0])
+        else:
+            self.simulation, self.recorder = Simulation(case, stored.state.copy()), stored.recorder
+            self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
+        self.state = self.simulation.state.copy()  # the last good state
+        self.guards = guards_of(self.simulation, self.recorder)
+
+    def march(self, bar, after_step=lambda record: None):
+        """Step from the present time to the end of the case, landing on every scheduled time."""
+        with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
+            for landing in self.landings:
+                while self.state.time < landing.time - SAME_TIME:
+                    record = self.step(landing)
+                    bar.set_postfix_str(
+                        f"step {self.state.step}, dt {record.dt:.1e} s", refresh=False
+                    )
+                    bar.update(self.state.time - bar.n)
+                    after_step(record)
+
+    def step(self, landing):
+        """One step towards a landing, recorded; return its `StepRecord`."""
+        record, self.state = guarded_step(self.simulation, self.recorder, self.guards, landing)
+        return record
+
+    def consistent(self):
+        """Whether record and last good state belong together (not in the midst of a step)."""
+        return self.recorder.series["time"][-1] == self.state.time
+
+    def checkpoint_image(self):
+        """checkpoint.h5 as bytes."""
+        return checkpoint_image(self.case, self.state, self.recorder)
+
+    def result_image(self, status):
+        """result.h5 as bytes; `status` says how far the run is (see `Result`)."""
+
+        def fill(file):
+            write_header(file, FORMAT, self.case)
+            write_status(file, status, trust_of_record(self.recorder, status, self.case))
+            self.recorder.write(file)
+
+        return build_image(fill)
+
+
+class Keeper:
+    """Marches a job and keeps its files: at intervals, when it is stopped, and at the end."""
+
+    def __init__(self, job, folder, log, interval):
+        self.job, self.folder, self.log, self.interval = job, folder, log, interval
+        self.saved_at, self.cost, self.capped, self.running = 0.0, 0.0, 0, False
+
+    def march(self, bar, interrupted):
+        """Run the job to its end; whatever ends it, the last good state is on the disk."""
+
+        def after_step(record):
+            self.note(record)
+            if interrupted():
+                raise KeyboardInterrupt
+            if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
+                self.save(RUNNING)
+
+        self.running = True
+        try:
+            self.job.march(bar, after_step)
+        except OutputError:  # the log says so already
+            raise
+        except KeyboardInterrupt:
+            self.log.error("stopped: interrupted")
+            if self.job.consistent():
+                self.save(INTERRUPTED)
+            raise
+        except Exception as error:
+            failure, status = ending(error, self.job.state.time)
+            self.log.error("stopped: %s", failure, exc_info=None if failure is error else error)
+            self.save(status)
+            if failure is error:
+                raise
+            raise failure from error
+        self.save(COMPLETE)
+
+    def note(self, record):
+        """Log a capped step."""
+        if not record.capped:
+            return
+        self.capped += 1
+        if self.capped <= CAPPED_LOGGED:
+            self.log.warning(
+                "capped step at t = %.6f s: residual %.2e after %d sweeps",
+                record.time,
+                record.residual,
+                record.sweeps,
+            )
+        if self.capped == CAPPED_LOGGED:
+            self.log.warning("further capped steps are only counted")
+
+    def save(self, status):
+        """Checkpoint, result and XDMF file, in this order, each replaced atomically."""
+        start = time.monotonic()
+        job = self.job
+        try:
+            write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
+            write_atomic(self.folder / RESULT, job.result_image(status), self.running)
+            write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
+        except (OutputError, MemoryError) as problem:
+            error = as_output_error(problem, self.folder, self.running)
+            self.log.error("%s", error)
+            raise error from None
+        self.saved_at = time.monotonic()
+        self.cost = self.saved_at - start
+        self.log.info(
+            "checkpoint at t = %.6f s, step %d, %d capped",
+            job.state.time,
+            job.state.step,
+            self.capped,
+        )
+
+
+# -- what is in the folder -----------------------------------------------------------------------
+
+
+def refuse_existing(folder):
+    """Refuse a folder that already holds a result (or the checkpoint of one)."""
+    for name in (RESULT, CHECKPOINT):
+        if (folder / name).exists():
+            raise InputError(
+                folder / name,
+                "file",
+                "a result that is already there",
+                "another folder, or --resume",
+            )
+
+
+def usable_checkpoint(folder, log):
+    """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
+    path = folder / CHECKPOINT
+    if not path.exists():
+        tell(log, f"{path}: no checkpoint; the run starts from t = 0")
+        return None
+    try:
+        return read_checkpoint(path)
+    except InputError as error:
+        tell(log, f"checkpoint not usable, the run starts from t = 0: {error}")
+        return None
+
+
+def tell(log, message):
+    """A warning in the log and on stderr."""
+    log.warning("%s", message)
+    print(message, file=sys.stderr)
+
+
+def finished_result(case, folder, stored, log):
+    """The result in the folder if it is complete to the end of the case, else None.
+
+    Raises
+    ------
+    InputError
+        Result or checkpoint belong to another case.
+    """
+    previous = None
+    if (folder / RESULT).exists():
+        try:
+            previous = open_result(folder)
+        except InputError as error:
+            log.warning("previous result not usable: %s", error)
+    if stored is not None:
+        refuse_other_case(case, case_from_text(stored.case_text), folder / CHECKPOINT)
+    if previous is not None:
+        refuse_other_case(case, previous.case, folder / RESULT)
+        if previous.complete and case.time.end <= previous.case.time.end + SAME_TIME:
+            return previous
+    return None
+
+
+def refuse_other_case(case, stored, path):
+    """Refuse to continue a run with a case that differs in more than its end and outputs."""
+    new, old = key_values(case), key_values(stored)
+    for name in sorted(new.keys() | old.keys()):
+        if name not in OUTPUT_KEYS and new.get(name) != old.get(name):
+            began = old.get(name, "absent")
+            allowed = f"{began}, as the run began (only [time] end and outputs may change)"
+            raise InputError(path, name, str(new.get(name, "absent")), allowed)
+
+
+def key_values(case):
+    """All keys of a case that are present, as {dotted name: value}."""
+
+    def flatten(table, prefix):
+        for name, value in table.items():
+            if isinstance(value, dict):
+                yield from flatten(value, f"{prefix}{name}.")
+            else:
+                yield prefix + name, value
+
+    return dict(flatten(tomllib.loads(case.to_toml()), ""))

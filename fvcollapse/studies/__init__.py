@@ -1,0 +1,1 @@
+"""Many runs: workers, the cache of runs, sweeps, convergence studies, benchmarks."""

@@ -1,0 +1,66 @@
+"""The runs that make up a study: each in a folder of its own, finished or continued, whoever began it."""
+
+from pathlib import Path
+
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
+from fvcollapse.files.storage import exclusive
+from fvcollapse.output.recorder import SAME_TIME
+from fvcollapse.output.run import CHECKPOINT, RESULT, run_case
+from fvcollapse.studies.workers import run_all
+
+LOCK = "lock"
+
+
+def run_member(case, folder, quiet=True):
+    """Run a case into its folder, or continue it; nothing is done if it is finished.
+
+    Another process that works in the folder is waited for.
+
+    Raises
+    ------
+    InputError
+        The folder holds a run of another case, or one to a later end.
+    NumericalError
+        Whatever else went wrong.
+    """
+    folder = Path(folder)
+    with failures_named(), exclusive(folder / LOCK):
+        started = (folder / RESULT).exists() or (folder / CHECKPOINT).exists()
+        result = run_case(case, folder, resume=started, quiet=quiet)
+    if result.case.time.end > case.time.end + SAME_TIME:
+        found = f"{case.time.end:g}"
+        allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"
+        raise InputError(folder / RESULT, "time.end", found, allowed)
+
+
+def run_members(cases, workers=1, quiet=True, run=run_member, tell=print, failed=None):
+    """Run what is not finished of {folder: case}; `tell` gets a line of text of each that is done.
+
+    What is finished is kept; a member that was running leaves its checkpoint. The next call
+    continues both.
+
+    Parameters
+    ----------
+    failed : function, optional
+        Called with the folder and the NumericalError of a member that fails, while the others go on;
+        without it the first failure ends the study.
+
+    Raises
+    ------
+    NumericalError, OutputError, InputError
+    """
+
+    def finished(folder, outcome):
+        if isinstance(outcome, NumericalError):
+            if failed is None:
+                raise NumericalError(f"{folder}: {outcome.what}", outcome.where, outcome.time)
+            failed(folder, outcome)
+        elif isinstance(outcome, FvcollapseError):
+            raise outcome
+        else:
+            tell(f"{folder}: done")
+
+    # the finest takes longest: among several it starts first
+    folders = list(cases) if workers == 1 else list(reversed(cases))
+    calls = {folder: (cases[folder], folder, quiet or workers > 1) for folder in folders}
+    run_all(run, calls, finished, workers, quiet=quiet)

@@ -1,0 +1,274 @@
+"""The same case at several values of one numerical parameter: runs, observables, their convergence.
+
+Each axis has its own meaning of "refinement size":
+
+- `cell_size`: the root of the cell area, as the grid really has it (the gate is a grid line). A
+  `cell_size_z` in the case is scaled along. The time step is left to its own limits, so where they
+  follow the cells, space and time are refined together.
+- `time_step`: the mean step that was taken, because shorter limits (motion of the surface, gate)
+  may hold for part of a run; "not refined" where the longest step was not what limited. The index
+  is then one of the time step at a fixed grid.
+- `shear_rate_min`: the value itself. Order and extrapolation belong to the limit of vanishing
+  regularisation, at a fixed grid.
+- `tolerance`: none. The error left by an iteration is bounded by the tolerance but is no power of
+  it: only differences are given.
+
+The formal order of every other axis is 1: of the cell size, because the surface is of first order
+and the longest time step does not shrink with the cell; of the time step, because the implicit
+solve is; of the regularisation, because a layer at rest creeps in proportion to it. Four values or
+more are also fitted all together (`fvcollapse.studies.least_squares`).
+"""
+
+import csv
+import io
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+from fvcollapse.errors import CaseError, InputError, NumericalError, OutputError
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.output.result import open_result
+from fvcollapse.step.grid import spacing
+from fvcollapse.studies.convergence import (
+    convergence,
+    convergence_of_profiles,
+    oscillating_share,
+    profile_distance,
+    spread,
+    successive,
+)
+from fvcollapse.studies.least_squares import fit
+from fvcollapse.studies.members import run_members
+
+
+def cell_root(result):
+    """Root of the area of a cell [m], with the sizes that the grid really has."""
+    return math.sqrt(math.prod(spacing(result.case)))
+
+
+def mean_step(result):
+    """Mean time step that was taken [s]."""
+    return float(result.series["time"][-1] / max(1, len(result.steps["dt"])))
+
+
+def shear_rate_min(result):
+    """Shear rate of the regularisation [1/s]."""
+    return result.case.numerics.shear_rate_min
+
+
+class Axis(NamedTuple):
+    """What is refined: key of the case, unit, and refinement size of a result (None: no order)."""
+
+    key: str
+    unit: str
+    size: object
+
+
+AXES = {
+    "cell_size": Axis("grid.cell_size", "m", cell_root),
+    "time_step": Axis("time.step_max", "s", mean_step),
+    "shear_rate_min": Axis("numerics.shear_rate_min", "1/s", shear_rate_min),
+    "tolerance": Axis("numerics.tolerance", "1", None),
+}
+OBSERVABLES = {  # keys of the summary, and their units
+    "runout_10mm": "m",
+    "runout": "m",
+    "runout_1mm": "m",
+    "x_99": "m",
+    "final_thickness": "m",
+    "peak_front_velocity": "m/s",
+    "arrest_time": "s",
+}
+FORMAL_ORDER = 1.0
+PROFILE = "profile_l1"
+UNITS = OBSERVABLES | {PROFILE: "1"}
+MEMBERS = "members.csv"
+SAME_VALUE = 1.0e-9  # relative
+
+
+# -- the members ---------------------------------------------------------------------------------
+
+
+def checked_values(axis, values):
+    """The values from coarse to fine; at least three, positive, all different.
+
+    Raises
+    ------
+    InputError
+    """
+    option = f"--{axis.replace('_', '-')}"
+
+    def refuse(found, allowed):
+        raise InputError("command line", option, found, allowed)
+
+    for value in values:
+        if not (math.isfinite(value) and value > 0.0):
+            refuse(f"{value:g}", "positive numbers")
+    if len(values) < 3:
+        refuse(f"{len(values)} of them", "at least three values")
+    ordered = sorted(values, reverse=True)
+    for coarse, fine in zip(ordered, ordered[1:], strict=False):
+        if coarse <= fine * (1.0 + SAME_VALUE):
+            refuse(f"{fine:g} twice", "different values")
+    return ordered
+
+
+def member_case(case, axis, value, source="case"):
+    """The case at one value of an axis; `source` is the file that errors name.
+
+    Raises
+    ------
+    CaseError
+        The value is out of the range of the key.
+    """
+    changes = {AXES[axis].key: value}
+    if axis == "cell_size" and case.grid.cell_size_z is not None:
+        changes["grid.cell_size_z"] = case.grid.cell_size_z * value / case.grid.cell_size
+    try:
+        return case.replace(**changes)
+    except CaseError as error:
+        origin = f"{source} with --{axis.replace('_', '-')} {value:g}"
+        raise CaseError(origin, error.key, error.found, error.allowed) from None
+
+
+# -- the study -----------------------------------------------------------------------------------
+
+
+def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tell=print):
+    """Run a case at several values of one numerical parameter and measure its convergence.
+
+    Parameters
+    ----------
+    case : Case
+    axis : str
+        One of `AXES`.
+    values : sequence of float
+        At least three.
+    folder : str or Path
+        Each member is run into `<axis>_<value>` inside; finished members are read, not run.
+    workers : int
+        Number of processes.
+    quiet : bool
+        No progress bar.
+    source : str
+        Name of the case in errors.
+    tell : function
+        Called with a line of text after each member.
+
+    Returns
+    -------
+    dict of dict
+        {observable: record}, see `record`, of the members that finished. `members.csv` in the folder
+        says how each ended.
+
+    Raises
+    ------
+    InputError, OutputError
+        Before anything runs.
+    NumericalError
+        Fewer than three members finish.
+    """
+    if workers < 1:
+        raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
+    folder, ordered = Path(folder), checked_values(axis, values)
+    cases = {
+        folder / f"{axis}_{value:.12g}": member_case(case, axis, value, source) for value in ordered
+    }
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(folder, error, running=False) from None
+    failures = {}
+    width = min(workers, len(cases))
+    run_members(cases, width, quiet, tell=tell, failed=failures.__setitem__)
+    write_members(folder / MEMBERS, axis, dict(zip(ordered, cases, strict=True)), failures)
+    for member, error in failures.items():
+        tell(f"{member}: failed: {error}")
+    done = {
+        value: member
+        for value, member in zip(ordered, cases, strict=True)
+        if member not in failures
+    }
+    if len(done) < 3:
+        what = f"{len(failures)} of {len(cases)} members failed, three must finish"
+        raise NumericalError(f"{what}; the last: {list(failures.values())[-1]}")
+    return study(axis, list(done), [open_result(member) for member in done.values()])
+
+
+def write_members(path, axis, members, failures):
+    """Write how each member ended: its value, status (complete, failed) and the problem, as CSV.
+
+    Parameters
+    ----------
+    path : Path
+    axis : str
+    members : dict
+        {value: folder}.
+    failures : dict
+        {folder: NumericalError}.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([axis, "status", "problem"])
+    for value, folder in members.items():
+        problem = failures.get(folder, "")
+        writer.writerow([value, "failed" if problem else "complete", problem])
+    write_atomic(path, text.getvalue().encode())
+
+
+def study(axis, values, results):
+    """{observable: record} of finished runs, from coarse to fine."""
+    size = AXES[axis].size
+    sizes = None if size is None else [size(result) for result in results]
+    summaries = [result.summary() for result in results]
+    measured = {name: [summary[name] for summary in summaries] for name in OBSERVABLES}
+    records = {name: record(axis, values, sizes, of) for name, of in measured.items()}
+    records[PROFILE] = record_of_profiles(axis, values, sizes, results)
+    return {name: {"unit": UNITS[name]} | of for name, of in records.items()}
+
+
+def record(axis, values, sizes, measured):
+    """All numbers of one observable, ready for JSON.
+
+    Lists run from coarse to fine. `order`, `extrapolated`, `gci` and the further numbers at the top
+    belong to the finest three; `triplets` holds the same of every three neighbours, each with its
+    values of the axis; `least_squares` is what all values say together, null for fewer than four.
+    """
+    found = successive(convergence, sizes, measured, FORMAL_ORDER)
+    fitted = fit(sizes, measured)
+    return {
+        axis: values,
+        "value": measured,
+        "refinement_size": sizes,
+        "spread": spread(measured),
+        "least_squares": None if fitted is None else fitted._asdict(),
+    } | of_triplets(axis, values, [outcome._asdict() for outcome in found])
+
+
+def record_of_profiles(axis, values, sizes, results):
+    """The same for the final profiles, whose differences are L1 distances over the area.
+
+    `value` is the distance of each profile to the next finer one, null for the finest; `spread` the
+    largest distance to the finest; `oscillating` the share of the points of the profile that
+    oscillate among the three.
+    """
+    profiles = [(result.profiles.x, result.profiles.thickness[-1]) for result in results]
+    found = successive(convergence_of_profiles, sizes, profiles, FORMAL_ORDER)
+    outcomes = [
+        outcome._asdict() | {"oscillating": oscillating_share(profiles[n : n + 3])}
+        for n, outcome in enumerate(found)
+    ]
+    pairs = zip(profiles, profiles[1:], strict=False)
+    return {
+        axis: values,
+        "value": [*(profile_distance(*coarse, *fine) for coarse, fine in pairs), None],
+        "refinement_size": sizes,
+        "spread": max(profile_distance(*profile, *profiles[-1]) for profile in profiles),
+        "least_squares": None,
+    } | of_triplets(axis, values, outcomes)
+
+
+def of_triplets(axis, values, outcomes):
+    """The outcome of the finest three, and those of every three with their values of the axis."""
+    triplets = [{axis: values[n : n + 3]} | of for n, of in enumerate(outcomes)]
+    return outcomes[-1] | {"triplets": triplets}

@@ -1,0 +1,170 @@
+"""What a convergence study leaves behind: a table, converge.json, converge.csv and a figure."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+from fvcollapse.files.storage import write_atomic
+from fvcollapse.studies.refinement import AXES, FORMAL_ORDER, PROFILE
+from fvcollapse.studies.refinement_figure import draw_png
+
+LABELS = {
+    "runout_10mm": "runout at 10 mm",
+    "runout": "runout",  # with the thickness of the case
+    "runout_1mm": "runout at 1 mm",
+    "x_99": "x_99",
+    "final_thickness": "final height",
+    "peak_front_velocity": "peak front velocity",
+    "arrest_time": "arrest time",
+    PROFILE: "profile, L1 to the next finer",
+}
+NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci")
+ROLES = ("coarse", "medium", "fine")
+NAME = "converge"
+RATIO_LEAST = 1.3  # recommended by Celik et al. (2008)
+
+
+def write_report(records, axis, case, folder, json_path=None):
+    """Write converge.json, .csv and .png into the folder; return their paths.
+
+    Parameters
+    ----------
+    records : dict
+        From `refinement.refine`.
+    axis : str
+    case : Case
+        The one that was refined.
+    folder : Path
+    json_path : Path, optional
+        A second place for the JSON.
+    """
+    text = json.dumps(records, indent=1, allow_nan=False) + "\n"
+    labels = {name: label(name, case) for name in records}
+    files = {
+        folder / f"{NAME}.json": text.encode(),
+        folder / f"{NAME}.csv": csv_text(records, axis).encode(),
+        folder / f"{NAME}.png": draw_png(records, axis, labels),
+    }
+    if json_path is not None:
+        files[Path(json_path)] = text.encode()
+    for path, data in files.items():
+        write_atomic(path, data)
+    return list(files)
+
+
+def label(name, case):
+    """Words for an observable, the thickness of the front in them."""
+    thickness = f" at {1000.0 * case.front.thickness:g} mm" if name == "runout" else ""
+    return LABELS[name] + thickness
+
+
+def csv_text(records, axis):
+    """One line per observable and three neighbouring values, the finest three last."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    sizes = [f"{axis}_{role}" for role in ROLES]
+    writer.writerow(
+        ["observable", "unit", *sizes, *(f"value_{role}" for role in ROLES), "behaviour", *NUMBERS]
+    )
+    for name, record in records.items():
+        for n, triplet in enumerate(record["triplets"]):
+            numbers = [triplet[number] for number in NUMBERS]
+            values = record["value"][n : n + 3]
+            writer.writerow(
+                [name, record["unit"], *triplet[axis], *values, triplet["behaviour"], *numbers]
+            )
+    return stream.getvalue()
+
+
+# -- the table -----------------------------------------------------------------------------------
+
+
+def table(records, axis, case):
+    """Blocks of aligned text: the values, what each three neighbours say, what all say; remarks."""
+    values = next(iter(records.values()))[axis]
+    rows = [[f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]]
+    outcomes = [["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI"]]
+    fits = [["all values, least squares", "series", "order", "extrapolated", "scatter", "U"]]
+    for name, record in records.items():
+        first = f"{label(name, case)} ({record['unit']})"
+        measured = [digits(value) for value in record["value"]]
+        rows.append([first, *measured, percent(record["spread"])])
+        for triplet in record["triplets"]:
+            outcomes.append([label(name, case), *outcome_cells(triplet, axis)])
+        if record["least_squares"] is not None:
+            fits.append([label(name, case), *fit_cells(record["least_squares"])])
+    blocks = [aligned(rows), aligned(outcomes), *([aligned(fits)] if len(fits) > 1 else [])]
+    return "\n\n".join([*blocks, "\n".join(remarks(records, axis, values))])
+
+
+def remarks(records, axis, values):
+    """How the indices are to be read, and what the reader must be warned of."""
+    if AXES[axis].size is None:
+        yield "The tolerance is no refinement size: differences only."
+        return
+    yield (
+        f"GCI (Celik et al. 2008): 1.25 e_a / (r^p - 1), where p counts as {FORMAL_ORDER:g} at most."
+    )
+    yield (
+        "Without an order to trust (oscillatory, diverging, p < 0.5): 3 times the largest difference"
+        " of the three values; for p > 2 at least 1.25 times it."
+    )
+    if any(record["least_squares"] for record in records.values()):
+        yield "U, the uncertainty of the finest value from all values: Eca & Hoekstra (2014)."
+    yield oscillations(records)
+    ratios = [coarse / fine for coarse, fine in zip(values, values[1:], strict=False)]
+    if min(ratios) < RATIO_LEAST:
+        yield (
+            f"Neighbouring values differ by less than {RATIO_LEAST:g} times: "
+            "the orders magnify what is not smooth in the values."
+        )
+
+
+def oscillations(records):
+    """Which part of what was measured oscillates on refinement."""
+    found = [
+        triplet["behaviour"]
+        for name, record in records.items()
+        for triplet in record["triplets"]
+        if name != PROFILE
+    ]
+    points = records[PROFILE]["oscillating"]
+    return (
+        f"Oscillatory: {found.count('oscillatory')} of {len(found)} lines above the profile, and "
+        f"{100.0 * points:.0f} % of the points of the final profile (finest three)."
+    )
+
+
+def outcome_cells(triplet, axis):
+    """The cells of one line of the second block."""
+    order = "-" if triplet["order"] is None else f"{triplet['order']:.2f}"
+    errors = [percent(triplet[name]) for name in NUMBERS[2:]]
+    sizes = " ".join(f"{value:g}" for value in triplet[axis])
+    return [sizes, triplet["behaviour"], order, digits(triplet["extrapolated"]), *errors]
+
+
+def fit_cells(fit):
+    """The cells of one line of the third block."""
+    errors = [percent(fit["deviation"]), percent(fit["uncertainty"])]
+    return [fit["series"], f"{fit['order']:.2f}", digits(fit["extrapolated"]), *errors]
+
+
+def aligned(rows):
+    """Rows of texts as lines: the first column to the left, the others to the right."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = []
+    for first, *others in rows:
+        cells = [text.rjust(width) for text, width in zip(others, widths[1:], strict=True)]
+        lines.append("  ".join([first.ljust(widths[0]), *cells]))
+    return "\n".join(lines)
+
+
+def digits(value):
+    """A value to five digits, or a dash."""
+    return "-" if value is None else f"{value:.5g}"
+
+
+def percent(fraction):
+    """A fraction in per cent, or a dash."""
+    return "-" if fraction is None else f"{100.0 * fraction:.2f} %"
