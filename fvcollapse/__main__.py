@@ -1,7 +1,9 @@
 """The command line: parses, calls one function per command, turns errors into an exit status.
 
-0 done; 1 the computation failed (what was computed is kept); 2 bad input; 130 interrupted. Errors
-are one line on stderr. The commands import what they need themselves, so that `--help` is instant.
+0 done; 1 the computation failed (what was computed is kept); 2 bad input; 130, 143, 129 ended by Ctrl-C,
+SIGTERM, SIGHUP. Errors are one line on stderr. The commands import what they need themselves, so that
+`--help` is instant. Where results may be written says `question`, what a signal does `interruption`, what
+is done where nothing can be printed `streams`.
 """
 
 import argparse
@@ -11,30 +13,40 @@ import textwrap
 from math import isfinite
 from pathlib import Path
 
-from fvcollapse.errors import FvcollapseError, InputError, one_line, refuse_bad_target
+from fvcollapse.console.interruption import ended_at_once, exit_status, raised_interrupt
+from fvcollapse.console.streams import guarded_streams
+from fvcollapse.errors import FvcollapseError, InputError, one_line
+from fvcollapse.files.overwriting import FORCE, RULE
 from fvcollapse.files.plain_numbers import decimal_number, whole_number
 from fvcollapse.version import __version__
 
 
 def main(argv=None):
     """Run one command; return its exit status."""
+    with ended_at_once(), guarded_streams() as final:
+        try:
+            status = outcome(argv)
+        except SystemExit as end:  # --help and --version
+            status = end.code or 0
+        return final(status)
+
+
+def outcome(argv):
+    """Exit status of one command; an error is one line on stderr."""
+    # no command opens a window, whatever the notebooks of the user need
+    os.environ["MPLBACKEND"] = "agg"
     try:
         arguments = command_line().parse_args(argv)
-        status = arguments.command(arguments)
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader of our output, such as `head`, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return arguments.command(arguments)
     except FvcollapseError as error:
         print(error, file=sys.stderr)
         return error.exit_status
     except MemoryError as error:
         print(f"out of memory: {one_line(error)}; larger cells need less", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as error:
         print("interrupted", file=sys.stderr)
-        return 130
-    return status
+        return exit_status(error)
 
 
 class Parser(argparse.ArgumentParser):
@@ -48,7 +60,9 @@ class Parser(argparse.ArgumentParser):
 
 def command_line():
     """The parser of all commands; each sets `command` to its function."""
-    parser = Parser(prog="fvcollapse", description="Granular column collapse on a slope.")
+    parser = Parser(
+        prog="fvcollapse", description="Granular column collapse on a slope.", epilog=RULE
+    )
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     add_run(commands)
@@ -77,6 +91,12 @@ def add_case(parser):
     )
 
 
+def add_force(parser):
+    """The option to overwrite, and the rule that it lifts."""
+    parser.add_argument("--force", action="store_true", help=FORCE)
+    parser.epilog = RULE
+
+
 def add_run(commands):
     """`run`: one simulation."""
     parser = commands.add_parser("run", help="run one simulation", description=run.__doc__)
@@ -84,7 +104,12 @@ def add_run(commands):
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
     )
-    parser.add_argument("--resume", action="store_true", help="continue from the checkpoint")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue also to another end, or with other outputs",
+    )
+    add_force(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=run)
 
@@ -95,9 +120,11 @@ def run(arguments):
 
     case = load_case(arguments.case, arguments.overrides)
     from fvcollapse.output.run import run_case  # heavy, and not needed to refuse a bad case
+    from fvcollapse.output.run_folder import holds_run
 
     folder = arguments.out or Path("out") / arguments.case.stem
-    result = run_case(case, folder, resume=arguments.resume, quiet=arguments.quiet)
+    resume = arguments.resume or holds_run(case, folder)
+    result = run_case(case, folder, resume, quiet=arguments.quiet, force=arguments.force)
     print(result.summary_table())
     return 0
 
@@ -113,6 +140,7 @@ def add_plot(commands):
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="folder; default `pictures` beside the result"
     )
+    add_force(parser)
     parser.set_defaults(command=plot)
 
 
@@ -122,10 +150,15 @@ def plot(arguments):
     folders = [arguments.out] * len(results)
     if arguments.out and len(results) > 1:
         folders = [arguments.out / name for name in distinct_names(results)]
-    from fvcollapse.draw.pictures import draw_all
+    from fvcollapse.draw.pictures import claim_pictures, draw_all
 
-    for result, folder in zip(results, folders, strict=True):
-        for path in draw_all(result, folder or result.parent / "pictures"):
+    places = [
+        folder or path.parent / "pictures" for path, folder in zip(results, folders, strict=True)
+    ]
+    for result, folder in zip(results, places, strict=True):
+        claim_pictures(result, folder, arguments.force)
+    for result, folder in zip(results, places, strict=True):
+        for path in draw_all(result, folder):
             print(path)
     return 0
 
@@ -161,6 +194,7 @@ def add_verify(commands):
         type=Path,
         help="write it by term of the equations, for a page",
     )
+    add_force(parser)
     parser.set_defaults(command=verify)
 
 
@@ -168,7 +202,7 @@ def verify(arguments):
     """Solve flows with an exact solution on several grids; print errors and orders (0: all pass)."""
     from fvcollapse.verification import verify as verify_problems
 
-    rows = verify_problems(arguments.names, arguments.json, arguments.markdown)
+    rows = verify_problems(arguments.names, arguments.json, arguments.markdown, arguments.force)
     return 0 if all(row["passed"] for row in rows) else 1
 
 
@@ -192,6 +226,7 @@ def add_converge(commands):
         "--out", metavar="FOLDER", type=Path, help="default out/<name of the case>_<parameter>"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the table there as well")
+    add_force(parser)
     parser.add_argument(
         "--workers", metavar="N", type=whole_number, default=1, help="processes; default 1"
     )
@@ -204,13 +239,14 @@ def converge(arguments):
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    refuse_bad_target(arguments.json)
+    from fvcollapse.files.question import claim_file
     from fvcollapse.studies.refinement import AXES, refine
-    from fvcollapse.studies.refinement_report import table, write_report
+    from fvcollapse.studies.refinement_report import NAME, table, write_report
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
     values = getattr(arguments, axis)
     folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
+    claim_file(arguments.json, arguments.force, copy_of=folder / f"{NAME}.json")
     records = refine(
         case,
         axis,
@@ -219,6 +255,7 @@ def converge(arguments):
         workers=arguments.workers,
         quiet=arguments.quiet,
         source=str(arguments.case),
+        force=arguments.force,
     )
     paths = write_report(records, axis, case, folder, arguments.json)
     print(f"\n{table(records, axis, case)}\n")
@@ -242,23 +279,27 @@ def add_bench(commands):
         "--end", metavar="SECONDS", type=decimal_number, help="cut the collapses short"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the report as JSON")
+    add_force(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     parser.set_defaults(command=bench)
 
 
 def bench(arguments):
     """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
-    refuse_bad_target(arguments.json)
+    from fvcollapse.files.question import claim_file
+
+    claim_file(arguments.json, arguments.force)
     from fvcollapse.studies.bench import run_bench, table
 
-    report = run_bench(
-        arguments.names,
-        arguments.json,
-        arguments.quiet,
-        arguments.effects,
-        arguments.end,
-        arguments.finest,
-    )
+    with raised_interrupt():  # ends the processes of the cases
+        report = run_bench(
+            arguments.names,
+            arguments.json,
+            arguments.quiet,
+            arguments.effects,
+            arguments.end,
+            arguments.finest,
+        )
     print(table(report))
     return 0
 
@@ -293,6 +334,7 @@ def add_sweep(commands):
         help="values of one key; may be repeated",
     )
     add_workers(parser)
+    add_force(parser)
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, required=True, help="one folder per point inside"
     )
@@ -318,6 +360,7 @@ def sweep(arguments):
         scheduler=arguments.scheduler,
         quiet=arguments.quiet,
         source=str(arguments.case),
+        force=arguments.force,
     )
     print(table(rows))
     print(arguments.out / TABLE)
@@ -395,12 +438,15 @@ def add_blind_score(parts):
         "--separability", metavar="FILE", type=Path, help="{case: d}, to score what data can tell"
     )
     parser.add_argument("--json", metavar="FILE", type=Path, help="write there, print a table")
+    add_force(parser)
     parser.set_defaults(command=blind_score)
 
 
 def blind_score(arguments):
     """Open the seal and score the answers: all scores as JSON, with intervals and baselines."""
-    refuse_bad_target(arguments.json)
+    from fvcollapse.files.question import claim_file
+
+    claim_file(arguments.json, arguments.force)
     from fvcollapse.blind.score import score, scores_text, table, write_scores
 
     scores = score(
@@ -466,6 +512,7 @@ def add_diagnose(commands):
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, required=True, help="folder of the report"
     )
+    add_force(parser)
     parser.set_defaults(command=diagnose)
 
 
@@ -490,6 +537,7 @@ def diagnose(arguments):
         controls=arguments.controls,
         cache=arguments.cache,
         quiet=arguments.quiet,
+        force=arguments.force,
     )
     for sentence in answer(report):
         print(textwrap.fill(sentence, 100))
@@ -541,6 +589,7 @@ def add_import_curves(commands):
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, required=True, help="experiment folder"
     )
+    add_force(parser)
     parser.set_defaults(command=import_curves)
 
 
@@ -556,7 +605,8 @@ def import_curves(arguments):
     for option, name in (("profile", "profiles"), ("interface", "interface")):
         sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
     units = arguments.length_unit, arguments.time_unit, arguments.volume_unit
-    for path in write_experiment(sources, arguments.out, *units, settings=arguments.settings):
+    changes = {"settings": arguments.settings, "force": arguments.force}
+    for path in write_experiment(sources, arguments.out, *units, **changes):
         print(path)
     missing = missing_settings(arguments.out)
     if missing:

@@ -36,6 +36,10 @@ class InputError(FvcollapseError):
         return one_line(f"{self.file}: {self.key}: found {self.found}; allowed: {self.allowed}")
 
 
+class UnreadableError(InputError):
+    """A file that may be sound, but cannot be read now: locked, or not permitted."""
+
+
 class CaseError(InputError):
     """A case file, or a `--set` on top of it, that is refused."""
 

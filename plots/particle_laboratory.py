@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fvcollapse.draw.drawing import BLUE, GREY, new_figure, png
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from runs.table import RUNS, read_table
 
 HERE = Path(__file__).parent

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import savgol_filter
 
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 
 RUNS = Path(__file__).parent
 SCALARS, CURVES, LABELS = "scalars.csv", "curves.csv", "labels.csv"

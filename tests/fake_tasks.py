@@ -115,3 +115,33 @@ def fill_cache(folder, cases):
     cache.shutil = SimpleNamespace(rmtree=tell_and_remove)
     checkpoint_often()
     cache.RunCache(Path(folder)).run_all(cases)
+
+
+def march(folder, seconds):
+    """As a run: tell of the start, march, save when a signal is heeded."""
+    from fvcollapse.console.interruption import Interrupted, deferred_interrupt
+
+    folder = Path(folder)
+    (folder / f"{os.getpid()}.started").touch()
+    end = time.monotonic() + seconds
+    with deferred_interrupt() as interrupted:
+        while time.monotonic() < end:
+            time.sleep(0.02)
+            if number := interrupted():
+                time.sleep(0.2)
+                (folder / f"{os.getpid()}.saved").touch()
+                raise Interrupted(number)
+
+
+def study_with_an_idle_worker(folder):
+    """Exit status of a study on two workers, of which one soon has nothing more to do."""
+    from fvcollapse.console.interruption import exit_status
+    from fvcollapse.studies.workers import run_all
+
+    folder = Path(folder)
+    calls = {"long": (folder, 120.0), "short": (folder, 0.0)}
+    try:
+        run_all(march, calls, lambda name, outcome: (folder / f"{name}.done").touch(), workers=2)
+    except KeyboardInterrupt as error:
+        return exit_status(error)
+    return 0

@@ -1,9 +1,11 @@
 """The cache of runs: what makes a key, what is kept, and what survives interruption and company."""
 
+import shutil
 import threading
 from pathlib import Path
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
@@ -17,7 +19,7 @@ from fvcollapse.output.recorder import SERIES, STEPS
 from fvcollapse.output.result import Profiles
 from fvcollapse.output.trust import Trust
 from fvcollapse.studies import cache
-from fvcollapse.studies.cache import RunCache, cache_key, default_folder
+from fvcollapse.studies.cache import RunCache, cache_key, default_folder, ready_folder
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
 
@@ -178,6 +180,62 @@ def test_broken_extract_is_made_again(started, tmp_path):
     assert runs.get(CASE) is None
     assert runs.run(CASE).complete
     assert len(started) == 2
+
+
+def test_entry_of_another_case_is_made_again_with_a_word(started, tmp_path, capsys):
+    runs, other = RunCache(tmp_path), CASE.replace(**{"rheology.mu_1": 0.3})
+    runs.run(other)
+    place = runs.place(CASE)
+    shutil.copytree(runs.place(other), place)
+    assert runs.run(CASE).case.rheology.mu_1 == CASE.rheology.mu_1
+    told = capsys.readouterr().err
+    assert told == f"{place / 'extract.h5'}: an entry of another case; it is computed again\n"
+    assert len(started) == 2
+    runs.run(CASE)
+    assert capsys.readouterr().err == ""
+    assert len(started) == 2
+
+
+@pytest.mark.parametrize("name", ["series/runout", "profiles/thickness", "steps/dt"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_entry_that_is_not_finite_is_made_again_with_a_word(started, tmp_path, capsys, name, value):
+    runs = RunCache(tmp_path)
+    runs.run(CASE)
+    with h5py.File(runs.place(CASE) / "extract.h5", "r+") as file:
+        data = file[name][()]
+        data.flat[-1] = value
+        file[name][...] = data
+    result = runs.run_all({"a": CASE}).results["a"]
+    assert np.isfinite(result.runout).all()
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "it is computed again" in told
+    assert len(started) == 2
+
+
+def test_run_that_is_not_finite_fails_and_leaves_nothing(started, monkeypatch, tmp_path):
+    runs = RunCache(tmp_path)
+    monkeypatch.setattr(cache, "is_finite", lambda result: False)
+    with pytest.raises(NumericalError, match="not finite"):
+        runs.run(CASE)
+    assert [path.name for path in runs.place(CASE).iterdir()] == ["lock"]
+
+
+def test_folder_that_cannot_be_written_names_what_to_set(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"cannot be written.*set FVCOLLAPSE_CACHE or --cache"):
+        ready_folder(tmp_path / "file" / "cache")
+    assert ready_folder(tmp_path / "a" / "b").is_dir()
+    assert list((tmp_path / "a" / "b").iterdir()) == []
+    monkeypatch.delenv("FVCOLLAPSE_CACHE", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+
+    def homeless():
+        raise RuntimeError("no home")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    with pytest.raises(InputError, match="FVCOLLAPSE_CACHE"):
+        ready_folder()
 
 
 def test_library_is_read_and_never_written(started, tmp_path):

@@ -14,7 +14,7 @@ import fake_tasks
 import pytest
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.files.storage import exclusive
+from fvcollapse.files.locks import exclusive
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies import workers
 from fvcollapse.studies.workers import ATTEMPTS, run_all

@@ -26,7 +26,7 @@ from fvcollapse.blind.truth import keep_truth, view_of
 from fvcollapse.case.case import case_from_text
 from fvcollapse.case.grammar import read_text
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.workers import refuse_workers, run_all

@@ -31,7 +31,7 @@ from fvcollapse.case.grammar import closest_name, read_text
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 
 VERDICTS = (*NAMED, NONE, UNKNOWN)
 SUM_TOLERANCE = 1.0e-3

@@ -26,7 +26,7 @@ from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.workers import run_all

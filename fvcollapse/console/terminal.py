@@ -1,24 +1,29 @@
-"""What a run tells while it goes on (run.log, progress bar), and its interruption."""
+"""What a run tells while it goes on: run.log, progress bar."""
 
 import logging
 import platform
 import shutil
-import signal
 import sys
-import threading
 from contextlib import contextmanager, suppress
 
-from tqdm import tqdm
+from fvcollapse.console.bars import tqdm
 
 try:
     import fcntl
-except ImportError:  # not on Windows, where an open log cannot be shared anyway
+except ImportError:  # not on Windows
     fcntl = None
 
 from fvcollapse.errors import InputError, OutputError
+from fvcollapse.files.locks import exclusive
+from fvcollapse.step.compiled import not_kept
 from fvcollapse.version import __version__
 
-LOG = "run.log"
+LOG, LOCK = "run.log", ".run.lock"  # the second one where a log cannot be locked
+UNCACHED = (
+    "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
+    "set NUMBA_CACHE_DIR to a folder that may be written"
+)
+SAID = set()  # warnings that are said once in a process
 
 
 class LogFile(logging.FileHandler):
@@ -49,19 +54,30 @@ def run_log(folder):
         handler = LogFile(folder / LOG, encoding="utf-8")
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
-    try:
-        if fcntl is not None:
-            fcntl.flock(handler.stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        handler.close()
-        raise InputError(folder, "folder", "another run that writes there", "a free one") from None
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     log = logging.Logger("fvcollapse", logging.INFO)  # not registered: one per run
     log.addHandler(handler)
     try:
-        yield log
+        with only_writer(folder, handler.stream, log):
+            yield log
     finally:
         handler.close()
+
+
+@contextmanager
+def only_writer(folder, stream, log):
+    """Refuse a folder in which another run holds its log; the system frees it when that run dies."""
+    if fcntl is None:
+        with exclusive(folder / LOCK, wait=False):
+            yield
+        return
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(folder, "folder", "another run that writes there", "a free one") from None
+    except OSError as error:
+        log.warning("nothing keeps another run out of this folder: no locks (%s)", error)
+    yield
 
 
 def log_start(log, case, stored):
@@ -78,6 +94,19 @@ def log_start(log, case, stored):
         log.warning("the checkpoint was written by version %s", stored.code_version)
 
 
+def tell(log, message):
+    """A warning in the log and on stderr."""
+    log.warning("%s", message)
+    print(message, file=sys.stderr)
+
+
+def tell_of_kernels(log):
+    """Warn, once in a process, that compiled kernels cannot be kept on the disk."""
+    if not_kept() and UNCACHED not in SAID:
+        SAID.add(UNCACHED)
+        tell(log, UNCACHED)
+
+
 def progress_bar(case, start, quiet):
     """Bar over the simulated time with step, dt and ETA, on stderr."""
     layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
@@ -92,28 +121,3 @@ def progress_bar(case, start, quiet):
         leave=None,  # below a bar over several runs it goes when it is full
         disable=quiet or not sys.stderr.isatty(),
     )
-
-
-@contextmanager
-def deferred_interrupt():
-    """Let Ctrl-C and SIGTERM wait for the end of the step.
-
-    Yields a function that says whether one came. A second Ctrl-C stops at once, leaving the last
-    checkpoint.
-    """
-    came = []
-
-    def handle(number, frame):
-        if came:
-            raise KeyboardInterrupt
-        came.append(number)
-
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: bool(came)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -2,14 +2,19 @@
 
 import dataclasses
 import time
-from pathlib import Path
+from hashlib import sha256
 
 import numpy as np
 from msgspec.structs import replace
 
 from fvcollapse.case.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.effect_library import DRAWS, Runner, baseline_cases
+from fvcollapse.diagnosis.effect_library import (
+    DRAWS,
+    Runner,
+    applicable_effects,
+    baseline_cases,
+)
 from fvcollapse.diagnosis.findings import report_of
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
@@ -20,8 +25,10 @@ from fvcollapse.diagnosis.reduction import climb
 from fvcollapse.diagnosis.report import Cost, read_report, write_report
 from fvcollapse.diagnosis.report_page import write_page
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
-from fvcollapse.errors import InputError, OutputError
+from fvcollapse.errors import InputError
+from fvcollapse.files.question import case_question, claim_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
+from fvcollapse.studies.workers import refuse_workers
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
 
@@ -41,6 +48,7 @@ def diagnose(
     cache=None,
     draws=DRAWS,
     quiet=True,
+    force=False,
 ):
     """Diagnose the gap between experiments and the model that is believed.
 
@@ -68,6 +76,8 @@ def diagnose(
         Folder of the cache of runs; default that of the user.
     draws : int
         Size of the ensemble of calibrated parameters.
+    force : bool
+        Take `folder` over from the report of another question; see `fvcollapse.files.question`.
 
     Returns
     -------
@@ -91,7 +101,9 @@ def diagnose(
     if case is not None and not isinstance(case, Case):
         case = load_case(case)
     if folder is not None:
-        make_folder(folder)
+        refuse_workers(workers)
+        asked = question(experiments, hold_out, controls, case, effects, cell_size)
+        claim_folder(folder, "diagnose", asked | {"seed": seed, "draws": draws}, force)
     tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
     analysis = analyse(
@@ -154,12 +166,30 @@ def load_all(experiments):
     )
 
 
-def make_folder(folder):
-    """Make the folder of the report before anything is computed."""
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder, error, running=False) from None
+def question(experiments, hold_out, controls, case, effects, cell_size):
+    """What a diagnosis depends on, beside numbers; see `fvcollapse.files.question`.
+
+    Raises
+    ------
+    InputError
+        There is no effect, or no grid, of this kind.
+    """
+    baseline_cases(controls, case, cell_size)
+    applicable_effects(baseline_cases(experiments, case, cell_size), effects)
+    groups = {"experiments": experiments, "hold_out": hold_out, "controls": controls}
+    told = {name: [[one.name, digest(one)] for one in group] for name, group in groups.items()}
+    told |= {"effects": effects and list(effects), "cell_size": cell_size}
+    return told | ({} if case is None else case_question(case))
+
+
+def digest(experiment):
+    """Digest of all that an experiment states and measured."""
+    found = sha256(repr((experiment.settings, experiment.scalars)).encode())
+    for name, curve in sorted(experiment.curves.items()):
+        found.update(name.encode())
+        for column in curve:
+            found.update(b"" if column is None else np.ascontiguousarray(column).tobytes())
+    return found.hexdigest()[:16]
 
 
 def contenders(analysis, answer):

@@ -29,7 +29,7 @@ from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import CaseError, InputError, NumericalError, failures_named
 from fvcollapse.measure.observables import observe
-from fvcollapse.studies.cache import EXTRACT, RunCache, default_folder
+from fvcollapse.studies.cache import EXTRACT, RunCache, ready_folder
 
 # cells of the coarser grid, in the height and in the length of the column at least
 CELLS, CELLS_LENGTH = 12, 6
@@ -321,7 +321,7 @@ class Runner:
     """
 
     def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
-        self.cache = RunCache(folder or default_folder())
+        self.cache = RunCache(ready_folder(folder))
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
         self.asked, self.computed = set(), set()
 

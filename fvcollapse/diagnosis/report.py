@@ -16,8 +16,8 @@ import numpy as np
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.errors import FvcollapseError, InputError
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.regular import read_regular
-from fvcollapse.files.storage import write_atomic
 
 FORMAT = "fvcollapse-report"
 FORMAT_VERSION = 1

@@ -12,7 +12,7 @@ from fvcollapse.diagnosis.report import BASELINE, RUNGS
 from fvcollapse.diagnosis.report_figures import pictures
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.version import __version__
 
 TEMPLATE = "report.html.j2"

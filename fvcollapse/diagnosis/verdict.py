@@ -44,7 +44,7 @@ from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_o
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 
 FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3

@@ -37,7 +37,8 @@ from fvcollapse.draw.drawing import (
     title,
 )
 from fvcollapse.errors import OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.question import case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.step.erodible_bed import layer_thickness
 
@@ -47,6 +48,26 @@ FIELD_PROGRESS = (0.02, 0.3, 0.7, 1.0)
 EXAGGERATION = 2.5  # of heights in the picture of the profiles
 FRAMES_MAX, FRAME_WIDTH = 120, 7.5
 SLOW_MOTION = 3.0
+
+
+def claim_pictures(result_path, folder, force=False):
+    """Make a folder that of the pictures of a run; those of an earlier state of the run may be renewed.
+
+    Parameters
+    ----------
+    result_path : str or Path
+        `result.h5`, or the folder that holds it.
+    folder : str or Path
+        Where the pictures go.
+    force : bool
+        Take the folder over from pictures of another run; see `question`.
+
+    Raises
+    ------
+    InputError, OutputError
+    """
+    case = open_result(result_path).case
+    claim_folder(folder, "plot", case_question(case, without=["time.end"]), force)
 
 
 def draw_all(result_path, folder=None):

@@ -1,24 +1,13 @@
-"""Files that a kill, a crash or a full disk cannot break, and reading that trusts nothing.
+"""HDF5 files that are built in memory, and reading that trusts nothing: nothing is ever unpickled."""
 
-A file is built in memory, written beside its destination, forced to the disk and then put in place
-in one atomic move: at any instant the destination is the last complete version. Nothing is ever
-unpickled.
-"""
-
-import os
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-try:
-    import fcntl
-except ImportError:  # not on Windows, where nothing is locked
-    fcntl = None
-
-from fvcollapse.errors import InputError, OutputError
+from fvcollapse.errors import InputError, UnreadableError
 from fvcollapse.files.regular import refuse_special
 
 LIBVER = (
@@ -63,65 +52,6 @@ def write_dataset(group, name, values, units, description):
     dataset.attrs["description"] = description
 
 
-def write_atomic(path, data, running=True):
-    """Put `data` (bytes) at `path`: on the disk on return, previous file untouched on failure.
-
-    Raises
-    ------
-    OutputError
-        Folder not writable, disk full; `running` says whether a computation is lost by it.
-    """
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.tmp")
-    try:
-        with open(temporary, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-        sync_folder(path.parent)
-    except OSError as error:
-        raise OutputError(path, error, running) from None
-    finally:  # gone already, unless something stopped us
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
-
-
-def sync_folder(folder):
-    """Force the names in a folder to the disk, where the system can."""
-    if os.name == "posix":
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-
-@contextmanager
-def exclusive(path):
-    """Hold the lock file at `path`, made with its folder if need be; whoever holds it is waited for.
-
-    The system frees it when the process dies.
-
-    Raises
-    ------
-    OutputError
-        The folder cannot be written.
-    """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError as error:
-        raise OutputError(path.parent, error, running=False) from None
-    try:
-        if fcntl is not None:
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
 @contextmanager
 def reading(source, kind):
     """Open an HDF5 `source` (path or bytes) of format `kind`; any defect is one InputError."""
@@ -135,12 +65,17 @@ def reading(source, kind):
         pass  # an image in memory
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or str(error)).lower()
-        raise InputError(name, "file", problem, allowed) from None
+        refusal = UnreadableError if isinstance(error, PermissionError) else InputError
+        raise refusal(name, "file", problem, allowed) from None
     try:
         with h5py.File(source, "r") as file:
             if file.attrs["format"] != kind:
                 raise InputError(name, "format", repr(file.attrs["format"]), repr(kind))
             yield file
+    except BlockingIOError:
+        held = "a file that another program holds open and has locked"
+        free = "a file that is free; or set HDF5_USE_FILE_LOCKING=FALSE to read it all the same"
+        raise UnreadableError(name, "file", held, free) from None
     except BROKEN:
         raise InputError(name, "file", "a broken or truncated file", allowed) from None
 

@@ -9,7 +9,8 @@ import numpy as np
 from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.question import ELSEWHERE, has_contents
 from fvcollapse.measure.curves import FORMS, curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
@@ -35,7 +36,7 @@ class Source(NamedTuple):
     time: float | None
 
 
-def write_experiment(sources, folder, length="m", time="s", ratio="1", settings=()):
+def write_experiment(sources, folder, length="m", time="s", ratio="1", *, settings=(), force=False):
     """Write digitised curves into an experiment folder.
 
     Parameters
@@ -43,11 +44,13 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", settings=
     sources : sequence of Source
         At most one of front and of volume; profiles and interface at different times.
     folder : str or Path
-        Made if need be; a curve that is already there is never overwritten.
+        Made if need be.
     length, time, ratio : str
         Units of the files: keys of `LENGTHS`, `TIMES`, `RATIOS`. `Source.time` is in s.
     settings : sequence of str
         "section.key=value" for a new `experiment.toml`.
+    force : bool
+        Overwrite curves that are already there with other contents; see `question`.
 
     Returns
     -------
@@ -65,8 +68,9 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", settings=
     if settings or not (folder / SETTINGS).exists():
         texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
     for name in texts:
-        if (folder / name).exists():
-            raise InputError(folder / name, "file", "one that is already there", "another folder")
+        path = folder / name
+        if path.exists() and not force and not has_contents(path, texts[name].encode()):
+            raise InputError(path, "file", "one that is already there", ELSEWHERE)
     refuse_unreadable(texts, folder)
     write_all(texts, folder)
     return [folder / name for name in texts]

@@ -6,48 +6,67 @@ interrupted or fails, and at the end.
 """
 
 import io
-import sys
 import time
-import tomllib
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import case_from_text
-from fvcollapse.console.terminal import deferred_interrupt, log_start, progress_bar, run_log
-from fvcollapse.errors import InputError, OutputError, as_output_error, failures_named
-from fvcollapse.files.storage import build_image, write_atomic
+from fvcollapse.console.interruption import Interrupted, deferred_interrupt
+from fvcollapse.console.terminal import log_start, progress_bar, run_log, tell, tell_of_kernels
+from fvcollapse.errors import (
+    InputError,
+    OutputError,
+    UnreadableError,
+    as_output_error,
+    failures_named,
+)
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.storage import build_image
 from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
+from fvcollapse.output.run_folder import (
+    CHECKPOINT,
+    RESULT,
+    XDMF,
+    holds_run,
+    ready,
+    refuse_existing,
+    refuse_other_case,
+    renew_xdmf,
+    tidy,
+)
 from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
 from fvcollapse.simulation import Simulation
 
-RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
 SAVING_SHARE = 0.05  # part of the wall time that saving may take in a large run
 CAPPED_LOGGED = 20  # capped steps that are logged one by one
-OUTPUT_KEYS = ("time.end", "time.output_interval", "time.field_interval", "time.output_times")
 
 
 def run(case, folder=None):
     """Run a case; with a folder as the command line does, without one in memory only.
+
+    A folder that holds a run of the same case is continued.
 
     Returns
     -------
     Result
     """
     if folder is not None:
-        return run_case(case, folder, quiet=True)
+        return run_case(case, folder, holds_run(case, Path(folder)), quiet=True)
     with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
         job = Job(case)
         job.march(bar)
     return Result(io.BytesIO(job.result_image(COMPLETE)))
 
 
-def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL):
+def run_case(
+    case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL, force=False
+):
     """Run a case into `folder`, or continue what is there.
 
     Parameters
@@ -62,31 +81,38 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
         No progress bar (there is none either when stderr is not a terminal).
     checkpoint_interval : float
         Wall time between checkpoints [s].
+    force : bool
+        Continue a run of the same case, and replace one of another.
 
     Raises
     ------
     InputError
-        The folder holds a result (without `resume`), or one of another case (with it).
+        The folder holds a result (without `resume`), or one of another case (with it), or one that
+        cannot be read now.
     OutputError
         The folder is not writable, or the disk is full; the previous files are intact.
     NumericalError, KeyboardInterrupt
         After the last good state was saved. A want of memory, say, is a NumericalError too.
     """
     folder = Path(folder)
-    if not resume:
+    if not (resume or force):
         refuse_existing(folder)
     with run_log(folder) as log:
+        tidy(folder)
+        resume = ready(case, folder, resume, force)
         stored = usable_checkpoint(folder, log) if resume else None
         previous = finished_result(case, folder, stored, log) if resume else None
         if previous is not None:
             log.info(
                 "nothing to do: the result is complete to t = %g s", previous.series["time"][-1]
             )
+            renew_xdmf(folder)
             return previous
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
         log_start(log, case, stored)
+        tell_of_kernels(log)
         with failures_named():
             job = Job(case, stored)
         keeper = Keeper(job, folder, log, checkpoint_interval)
@@ -161,8 +187,8 @@ class Keeper:
 
         def after_step(record):
             self.note(record)
-            if interrupted():
-                raise KeyboardInterrupt
+            if number := interrupted():
+                raise Interrupted(number)
             if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
                 self.save(RUNNING)
 
@@ -225,18 +251,6 @@ class Keeper:
 # -- what is in the folder -----------------------------------------------------------------------
 
 
-def refuse_existing(folder):
-    """Refuse a folder that already holds a result (or the checkpoint of one)."""
-    for name in (RESULT, CHECKPOINT):
-        if (folder / name).exists():
-            raise InputError(
-                folder / name,
-                "file",
-                "a result that is already there",
-                "another folder, or --resume",
-            )
-
-
 def usable_checkpoint(folder, log):
     """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
     path = folder / CHECKPOINT
@@ -245,15 +259,11 @@ def usable_checkpoint(folder, log):
         return None
     try:
         return read_checkpoint(path)
+    except UnreadableError:  # it may be sound
+        raise
     except InputError as error:
         tell(log, f"checkpoint not usable, the run starts from t = 0: {error}")
         return None
-
-
-def tell(log, message):
-    """A warning in the log and on stderr."""
-    log.warning("%s", message)
-    print(message, file=sys.stderr)
 
 
 def finished_result(case, folder, stored, log):
@@ -262,41 +272,23 @@ def finished_result(case, folder, stored, log):
     Raises
     ------
     InputError
-        Result or checkpoint belong to another case.
+        Result or checkpoint belong to another case, or the result may be of anything.
     """
     previous = None
     if (folder / RESULT).exists():
         try:
             previous = open_result(folder)
+        except UnreadableError:
+            raise
         except InputError as error:
             log.warning("previous result not usable: %s", error)
     if stored is not None:
         refuse_other_case(case, case_from_text(stored.case_text), folder / CHECKPOINT)
+    if previous is None and stored is None and (folder / RESULT).exists():
+        found = "a file of unknown origin: it cannot be read, and there is no checkpoint beside it"
+        raise InputError(folder / RESULT, "file", found, "another folder, or --force")
     if previous is not None:
         refuse_other_case(case, previous.case, folder / RESULT)
         if previous.complete and case.time.end <= previous.case.time.end + SAME_TIME:
             return previous
     return None
-
-
-def refuse_other_case(case, stored, path):
-    """Refuse to continue a run with a case that differs in more than its end and outputs."""
-    new, old = key_values(case), key_values(stored)
-    for name in sorted(new.keys() | old.keys()):
-        if name not in OUTPUT_KEYS and new.get(name) != old.get(name):
-            began = old.get(name, "absent")
-            allowed = f"{began}, as the run began (only [time] end and outputs may change)"
-            raise InputError(path, name, str(new.get(name, "absent")), allowed)
-
-
-def key_values(case):
-    """All keys of a case that are present, as {dotted name: value}."""
-
-    def flatten(table, prefix):
-        for name, value in table.items():
-            if isinstance(value, dict):
-                yield from flatten(value, f"{prefix}{name}.")
-            else:
-                yield prefix + name, value
-
-    return dict(flatten(tomllib.loads(case.to_toml()), ""))

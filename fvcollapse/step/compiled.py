@@ -3,6 +3,9 @@
 Beside a function itself Numba compiles two entries to it, one for Python and one for C, which take
 longer than the function where arguments are tuples of many arrays. None of ours is called from C;
 most are called by other kernels only.
+
+Where nothing can be kept on the disk (no folder may be written, the disk is full), kernels are compiled
+anew at each start; `not_kept` says so.
 """
 
 from functools import cache, partial
@@ -33,11 +36,34 @@ class KernelCache(FunctionCache):
     def _index_key(self, sig, codegen):
         return (*super()._index_key(sig, codegen), source_digest())
 
+    def save_overload(self, sig, data):
+        """Keep a kernel; one that the disk does not take is compiled again next time."""
+        try:
+            super().save_overload(sig, data)
+        except OSError:
+            NOT_KEPT.add(self._name)
+
     def load_overload(self, sig, target_context):
         """The kernel for these argument types, or None."""
         rtsys.initialize(target_context)  # what the kernels allocate memory with
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
+
+
+NOT_KEPT = set()  # names of kernels that the disk did not take
+
+
+def not_kept():
+    """Number of kernels that could not be kept on the disk."""
+    return len(NOT_KEPT)
+
+
+def keep_on_disk(kernel, function):
+    """Let a kernel be kept on the disk, as does `cache=True`, where a folder can be written."""
+    try:
+        kernel._cache = KernelCache(function)
+    except RuntimeError:  # Numba has no place for it
+        NOT_KEPT.add(function.__name__)
 
 
 def kernel_jit(**options):
@@ -46,7 +72,7 @@ def kernel_jit(**options):
     def compiled(function):
         kernel = njit(no_cfunc_wrapper=True, **options)(function)
         if not config.DISABLE_JIT:
-            kernel._cache = KernelCache(function)  # as does `cache=True`
+            keep_on_disk(kernel, function)
         return kernel
 
     return compiled

@@ -18,12 +18,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from fvcollapse.case.case import Case, case_from_text
+from fvcollapse.console.bars import tqdm
 from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
 from fvcollapse.errors import InputError, NumericalError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.run import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import coupled

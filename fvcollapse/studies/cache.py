@@ -3,29 +3,43 @@
 The key of a run is a digest of the solver and of the resolved case without its outputs. Every key
 has a folder: while the run goes on it holds the checkpoint, so that whoever asks next continues;
 then only the extract stays. Any number of processes may use a cache.
+
+An entry is taken only if it reaches the end that is asked for, if the case that is stored in it has
+its key, and if all of its numbers are finite. Another one, copied by hand, damaged or left by a solver
+that failed without a word, is computed again, which is said on stderr.
 """
 
 import os
 import shutil
+import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from fvcollapse.case.grammar import as_table, toml_lines
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
-from fvcollapse.files.storage import exclusive, write_atomic
+from fvcollapse.errors import (
+    FvcollapseError,
+    InputError,
+    NumericalError,
+    UnreadableError,
+    failures_named,
+)
+from fvcollapse.files.atomic import locked_temporary, remove_stale, write_atomic
+from fvcollapse.files.locks import LOCK, exclusive
 from fvcollapse.output.extract import extract_image
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.result import open_result
-from fvcollapse.output.run import OUTPUT_KEYS
+from fvcollapse.output.run_folder import OUTPUT_KEYS
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import run_all
 
 FORMAT = 1  # of the extract; another one is another key
-EXTRACT, LOCK, WORK = "extract.h5", "lock", "run"
+EXTRACT, WORK = "extract.h5", "run"
 PROFILE_INTERVAL = 0.02  # s; the same for all, as output times have a say in the time steps
 VARIABLE = "FVCOLLAPSE_CACHE"
 
@@ -34,7 +48,35 @@ def default_folder():
     """Folder of the cache of this user: $FVCOLLAPSE_CACHE, else in $XDG_CACHE_HOME or ~/.cache."""
     if named := os.environ.get(VARIABLE):
         return Path(named)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fvcollapse"
+    if named := os.environ.get("XDG_CACHE_HOME"):
+        return Path(named) / "fvcollapse"
+    try:
+        return Path.home() / ".cache" / "fvcollapse"
+    except RuntimeError:
+        found = "no home folder of this user"
+        raise InputError("environment", VARIABLE, found, "a folder that may be written") from None
+
+
+def ready_folder(folder=None):
+    """A folder for a cache, made if need be; default that of this user.
+
+    Raises
+    ------
+    InputError
+        It cannot be written; the line names what to set.
+    """
+    folder = Path(folder or default_folder()).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        remove_stale(folder)
+        handle, name = locked_temporary(folder)
+        os.close(handle)
+        os.unlink(name)
+    except OSError as error:
+        found = f"a folder that cannot be written ({(error.strerror or str(error)).lower()})"
+        allowed = f"one that can: set {VARIABLE} or --cache"
+        raise InputError(folder, "cache of runs", found, allowed) from None
+    return folder
 
 
 def cached_case(case):
@@ -91,9 +133,11 @@ class RunCache:
         """
         key = cache_key(case)
         for folder in (*self.libraries, self.folder):
-            result = read_extract(entry(Path(folder), key), case)
+            result, defect = read_extract(entry(Path(folder), key), case)
             if result is not None:
                 return result
+            if defect:
+                print(f"{defect}; it is computed again", file=sys.stderr)
         return None
 
     def run(self, case, quiet=True):
@@ -173,27 +217,52 @@ def entry(folder, key):
 
 
 def read_extract(place, case):
-    """The extract in a place if it reaches the end of the case, else None."""
+    """(extract in a place, "") if it serves a case, else (None, why what is there may not be used)."""
+    path = place / EXTRACT
+    if not path.exists():
+        return None, ""
     try:
-        result = open_result(place / EXTRACT)
-    except InputError:  # missing, or broken: it is made again
-        return None
-    reached = result.complete and result.case.time.end >= case.time.end - SAME_TIME
-    return result if reached else None
+        result = open_result(path)
+    except UnreadableError:  # it may be sound
+        raise
+    except InputError as error:
+        return None, str(error)
+    if not result.complete or result.case.time.end < case.time.end - SAME_TIME:
+        return None, ""
+    if cache_key(result.case) != cache_key(case):
+        return None, f"{path}: an entry of another case"
+    if not is_finite(result):
+        return None, f"{path}: an entry with numbers that are not finite"
+    return result, ""
+
+
+def is_finite(result):
+    """Whether all numbers of a result are finite."""
+    values = (*result.series.values(), *result.steps.values(), *result.profiles)
+    return all(np.isfinite(array).all() for array in values)
 
 
 def make_extract(case, place, quiet=True):
     """Run a case in its place, or continue it, and leave its extract; nothing if it is there.
 
     Whoever is at it already is waited for.
+
+    Raises
+    ------
+    NumericalError
+        Among others if the result has numbers that are not finite; nothing is left of it.
     """
     work = place / WORK
     with failures_named(), exclusive(place / LOCK):
-        if read_extract(place, case) is None:
+        if read_extract(place, case)[0] is None:
             # a longer run that was cut short is finished as such
             end = max(case.time.end, begun_end(work))
-            run_member(cached_case(case.replace(**{"time.end": end})), work, quiet)
-            write_atomic(place / EXTRACT, extract_image(open_result(work)))
+            run_member(cached_case(case.replace(**{"time.end": end})), work, quiet, force=True)
+            result = open_result(work)
+            if not is_finite(result):
+                shutil.rmtree(work, ignore_errors=True)
+                raise NumericalError("the result has numbers that are not finite", f"in {work}")
+            write_atomic(place / EXTRACT, extract_image(result))
         shutil.rmtree(work, ignore_errors=True)
 
 

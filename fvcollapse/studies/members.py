@@ -3,18 +3,16 @@
 from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
-from fvcollapse.files.storage import exclusive
+from fvcollapse.files.locks import LOCK, exclusive
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.run import CHECKPOINT, RESULT, run_case
 from fvcollapse.studies.workers import run_all
 
-LOCK = "lock"
 
-
-def run_member(case, folder, quiet=True):
+def run_member(case, folder, quiet=True, force=False):
     """Run a case into its folder, or continue it; nothing is done if it is finished.
 
-    Another process that works in the folder is waited for.
+    Another process that works in the folder is waited for. `force` replaces a run of another case.
 
     Raises
     ------
@@ -26,7 +24,7 @@ def run_member(case, folder, quiet=True):
     folder = Path(folder)
     with failures_named(), exclusive(folder / LOCK):
         started = (folder / RESULT).exists() or (folder / CHECKPOINT).exists()
-        result = run_case(case, folder, resume=started, quiet=quiet)
+        result = run_case(case, folder, resume=started, quiet=quiet, force=force)
     if result.case.time.end > case.time.end + SAME_TIME:
         found = f"{case.time.end:g}"
         allowed = f"{result.case.time.end:g}, the end of the result there, or another folder"

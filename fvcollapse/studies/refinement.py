@@ -22,11 +22,13 @@ more are also fitted all together (`fvcollapse.studies.least_squares`).
 import csv
 import io
 import math
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from fvcollapse.errors import CaseError, InputError, NumericalError, OutputError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.errors import CaseError, InputError, NumericalError
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.step.grid import spacing
 from fvcollapse.studies.convergence import (
@@ -38,7 +40,7 @@ from fvcollapse.studies.convergence import (
     successive,
 )
 from fvcollapse.studies.least_squares import fit
-from fvcollapse.studies.members import run_members
+from fvcollapse.studies.members import run_member, run_members
 
 
 def cell_root(result):
@@ -131,10 +133,17 @@ def member_case(case, axis, value, source="case"):
         raise CaseError(origin, error.key, error.found, error.allowed) from None
 
 
+def member_keys(axis):
+    """Keys of the case that differ between the members."""
+    return (AXES[axis].key, "grid.cell_size_z") if axis == "cell_size" else (AXES[axis].key,)
+
+
 # -- the study -----------------------------------------------------------------------------------
 
 
-def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tell=print):
+def refine(
+    case, axis, values, folder, workers=1, *, quiet=True, source="case", tell=print, force=False
+):
     """Run a case at several values of one numerical parameter and measure its convergence.
 
     Parameters
@@ -154,6 +163,8 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
         Name of the case in errors.
     tell : function
         Called with a line of text after each member.
+    force : bool
+        Take the folder over from another study; see `question`.
 
     Returns
     -------
@@ -174,13 +185,12 @@ def refine(case, axis, values, folder, workers=1, quiet=True, source="case", tel
     cases = {
         folder / f"{axis}_{value:.12g}": member_case(case, axis, value, source) for value in ordered
     }
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder, error, running=False) from None
+    asked = case_question(case, without=member_keys(axis)) | {"axis": axis, "values": ordered}
+    claim_folder(folder, "converge", asked, force, Latitude(growing=("values",)))
+    run = partial(run_member, force=True) if force else run_member
     failures = {}
     width = min(workers, len(cases))
-    run_members(cases, width, quiet, tell=tell, failed=failures.__setitem__)
+    run_members(cases, width, quiet, run, tell, failed=failures.__setitem__)
     write_members(folder / MEMBERS, axis, dict(zip(ordered, cases, strict=True)), failures)
     for member, error in failures.items():
         tell(f"{member}: failed: {error}")

@@ -5,7 +5,7 @@ import io
 import json
 from pathlib import Path
 
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.studies.refinement import AXES, FORMAL_ORDER, PROFILE
 from fvcollapse.studies.refinement_figure import draw_png
 

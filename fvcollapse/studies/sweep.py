@@ -1,7 +1,8 @@
 """The product of variations of a case: one result per point, and a table of all points.
 
 The folder of a point is named after its values, so that a sweep may be continued, and widened by
-further values, with the same folder.
+further values, with the same folder. The table keeps the rows of all points of the folder: a narrower
+sweep, or another one at the same time, takes none away.
 """
 
 import csv
@@ -14,16 +15,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fvcollapse.case.case import parse_value
-from fvcollapse.case.grammar import toml_value
+from fvcollapse.case.grammar import read_text, toml_value
 from fvcollapse.errors import (
     CaseError,
     FvcollapseError,
     InputError,
     NumericalError,
-    OutputError,
     failures_named,
 )
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.locks import LOCK, exclusive
+from fvcollapse.files.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import refuse_workers, run_all
@@ -48,7 +50,9 @@ class Point(NamedTuple):
     case: object
 
 
-def sweep(case, variations, folder, workers=1, scheduler=None, quiet=True, source="case"):
+def sweep(
+    case, variations, folder, workers=1, scheduler=None, *, quiet=True, source="case", force=False
+):
     """Run a case at every combination of values; what is finished is not run again.
 
     Parameters
@@ -62,25 +66,27 @@ def sweep(case, variations, folder, workers=1, scheduler=None, quiet=True, sourc
         See `run_all`.
     source : str
         Name of the case in errors.
+    force : bool
+        Take the folder over from a sweep of another case; see `question`.
 
     Returns
     -------
     list of dict
-        The rows of the table: point, the varied keys, status (complete, failed, missing), problem,
+        The rows of these points: point, the varied keys, status (complete, failed, missing), problem,
         and the numbers of `Result.summary` (None while there are none).
 
     Raises
     ------
     InputError, OutputError
         Before anything runs; later if a folder holds another run or cannot be written.
+        The folder holds something else, in particular a sweep of another case.
     """
     refuse_workers(workers)
     points = all_points(case, variations, source)
     folder = Path(folder).absolute()  # a worker has a working folder of its own
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder, error, running=False) from None
+    latitude = Latitude(free=tuple(f"case.{key}" for key in variations))
+    if not claim_folder(folder, "sweep", case_question(case), force, latitude):
+        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
     found = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):
@@ -90,17 +96,17 @@ def sweep(case, variations, folder, workers=1, scheduler=None, quiet=True, sourc
             raise outcome
         else:
             found[name] = {"status": "complete"} | outcome
-        write_table(folder / TABLE, table_rows(points, found))
+        renew_table(folder / TABLE, table_rows(points, found))
 
     silent = quiet or workers > 1 or scheduler is not None
-    calls = {point.name: (point.case, folder / point.name, silent) for point in points}
+    calls = {point.name: (point.case, folder / point.name, silent, force) for point in points}
     run_all(run_point, calls, finished, workers, scheduler, quiet)
     return table_rows(points, found)
 
 
-def run_point(case, folder, quiet):
+def run_point(case, folder, quiet, force=False):
     """Run one point, or continue it; return its summary."""
-    run_member(case, folder, quiet)
+    run_member(case, folder, quiet, force)
     with failures_named():
         return open_result(folder).summary()
 
@@ -183,10 +189,39 @@ def table_rows(points, found):
     ]
 
 
+def renew_table(path, rows):
+    """Put rows into the table at `path`; rows of other points, and better ones of these, stay."""
+    with exclusive(path.parent / LOCK):
+        before = {row["point"]: row for row in read_table(path)}
+        new = [before.get(row["point"], row) if row["status"] == "missing" else row for row in rows]
+        names = {row["point"] for row in new}
+        write_table(path, new + [row for point, row in before.items() if point not in names])
+
+
+def read_table(path):
+    """The rows of a table, all cells as text; none if it is not there.
+
+    Raises
+    ------
+    InputError
+        It is no table of a sweep.
+    """
+    if not path.exists():
+        return []
+    rows = list(csv.DictReader(io.StringIO(read_text(path, "CSV"), newline="")))
+    if not all(row.get("point") and row.get("status") and None not in row for row in rows):
+        raise InputError(path, "file", "no table of a sweep", "that table, or --force")
+    return rows
+
+
 def write_table(path, rows):
     """Write the rows as CSV; None is an empty cell."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, rows[0], lineterminator="\n")
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    keys = [name for name in columns if "." in name]
+    first = ["point", *keys, "status", "problem"]
+    columns = first + [name for name in columns if name not in first]
+    writer = csv.DictWriter(text, columns, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows({name: cell(value) for name, value in row.items()} for row in rows)
     write_atomic(path, text.getvalue().encode())

@@ -7,12 +7,8 @@ machine (a shared file system) and have the same solver.
 """
 
 import asyncio
-import multiprocessing
 import os
-import signal
 import sys
-import threading
-import time
 from collections import Counter, deque
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -20,22 +16,22 @@ from concurrent.futures import (
     CancelledError,
     Executor,
     Future,
-    ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
 from contextlib import contextmanager
 from math import inf
 
-from tqdm import tqdm
-
+from fvcollapse.console.bars import tqdm
+from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.studies.pool import ProcessPool
 
 ATTEMPTS = 3  # a run whose worker dies this often is given up
 DEAD = object()  # the outcome of a call whose worker died, or was told to stop
 CONNECT = 10.0  # s to wait for a scheduler
-TO_SAVE = 30.0  # s that a run has to finish its step and save; a second signal stops it at once
+POLL = 0.1  # s between two looks for a signal
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -66,7 +62,7 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
     NumericalError
         The scheduler was lost.
     KeyboardInterrupt
-        On Ctrl-C and SIGTERM, after the runs of this machine have saved their state.
+        On Ctrl-C, SIGTERM and SIGHUP, after the runs of this machine have saved their state.
     """
     refuse_workers(workers)
     queue, deaths = deque(calls), Counter()
@@ -83,9 +79,8 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
             bar.update()
             finished(name, outcome)
 
-        while queue:
-            with executor(workers, scheduler) as (pool, width):
-                drain(pool, width, task, calls, queue, end)
+        with executor(workers, scheduler) as (pool, width, interrupted):
+            drain(pool, width, task, calls, queue, end, interrupted)
 
 
 def refuse_workers(workers):
@@ -94,20 +89,17 @@ def refuse_workers(workers):
         raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
 
 
-def drain(pool, width, task, calls, queue, end):
-    """Work the queue off, `width` calls at a time; return early when the pool is broken."""
+def drain(pool, width, task, calls, queue, end, interrupted):
+    """Work the queue off, `width` calls at a time; `interrupted()` is the number of a signal, or 0."""
     running = {}
     while queue or running:
-        try:
-            while queue and len(running) < width:
-                future = pool.submit(call, solver_version(), task, calls[queue[0]])
-                running[future] = queue.popleft()
-        except BrokenExecutor:  # what runs in it ends as DEAD
-            width = 0
-        if not running:
-            return
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
+        while queue and len(running) < width:
+            future = pool.submit(call, solver_version(), task, calls[queue[0]])
+            running[future] = queue.popleft()
+        for future in wait(running, POLL, FIRST_COMPLETED).done:
             end(running.pop(future), outcome_of(future))
+        if number := interrupted():
+            raise Interrupted(number)
 
 
 def call(version, task, arguments):
@@ -154,15 +146,20 @@ def runs_bar(total, quiet):
 
 @contextmanager
 def executor(workers, scheduler):
-    """(executor, number of calls that it may hold) for a number of processes or a cluster."""
+    """(executor, number of calls that it may hold, whether a signal came) of processes or a cluster."""
     if scheduler is not None:
         with cluster(scheduler) as client:
-            yield client.get_executor(pure=False), inf
+            yield client.get_executor(pure=False), inf, no_signal
     elif workers == 1:
-        yield InThisProcess(), 1
+        yield InThisProcess(), 1, no_signal
     else:
-        with processes(workers) as pool:
-            yield pool, workers
+        with processes(workers) as (pool, interrupted):
+            yield pool, workers, interrupted
+
+
+def no_signal():
+    """Signals are raised where they come, or heeded by the run that is made."""
+    return 0
 
 
 class InThisProcess(Executor):
@@ -180,20 +177,15 @@ class InThisProcess(Executor):
 
 @contextmanager
 def processes(workers):
-    """A pool of processes that compute with one thread each."""
-    before = set(multiprocessing.active_children())
-    context = multiprocessing.get_context("spawn")
-    with one_thread(), interrupted_by_sigterm():
-        pool = ProcessPoolExecutor(workers, context, begin_worker)
+    """(pool of processes that compute with one thread each, whether a signal came)."""
+    with one_thread(), deferred_interrupt(inf) as interrupted:
+        pool = ProcessPool(workers)
         try:
-            yield pool
+            yield pool, interrupted
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in set(multiprocessing.active_children()) - before:
-                child.terminate()  # a run that is marching saves its state first
+            pool.stop()
             raise
-        finally:
-            pool.shutdown()
+        pool.shutdown()
 
 
 @contextmanager
@@ -221,7 +213,7 @@ def cluster(address):
         found = f"{address!r} ({str(error) or type(error).__name__})"
         allowed = "the address of a running Dask scheduler, such as tcp://host:8786"
         raise InputError("command line", "--scheduler", found, allowed) from None
-    with client, interrupted_by_sigterm():
+    with client, raised_interrupt():
         if not client.scheduler_info()["workers"]:
             print(f"{address} has no workers yet: waiting for them", file=sys.stderr)
         yield client
@@ -240,43 +232,3 @@ def one_thread():
                 del os.environ[name]
             else:
                 os.environ[name] = value
-
-
-@contextmanager
-def interrupted_by_sigterm():
-    """Let SIGTERM end what goes on here as Ctrl-C does."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def interrupt(number, frame):
-    """What SIGTERM does."""
-    raise KeyboardInterrupt
-
-
-def begin_worker():
-    """Keep Ctrl-C from a worker, and end it with its parent.
-
-    It gets one signal, from the parent, that it answers by saving.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if os.name == "posix":
-        os.setpgid(0, 0)  # a marching run has its own handler of SIGINT, which this keeps idle
-    threading.Thread(target=end_with_the_parent, daemon=True).start()
-
-
-def end_with_the_parent():
-    """Wait for the death of the parent, then let a marching run save its state and end the worker.
-
-    A worker without a parent would wait for its next call for ever.
-    """
-    multiprocessing.parent_process().join()
-    while True:
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(TO_SAVE)

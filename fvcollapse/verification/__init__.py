@@ -5,9 +5,10 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from fvcollapse.console.terminal import deferred_interrupt
-from fvcollapse.errors import InputError, refuse_bad_target
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.console.interruption import deferred_interrupt
+from fvcollapse.errors import InputError
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.question import claim_file
 
 
 def problem_names():
@@ -17,7 +18,7 @@ def problem_names():
     return [problem.name for problem in PROBLEMS]
 
 
-def verify(names=None, json_path=None, markdown_path=None):
+def verify(names=None, json_path=None, markdown_path=None, force=False):
     """Solve the named verification problems (all, if none are named); print and write the table.
 
     Parameters
@@ -49,7 +50,7 @@ def verify(names=None, json_path=None, markdown_path=None):
     problems = {problem.name: problem for problem in PROBLEMS}
     chosen = [named(name, problems) for name in names or problems]
     for path in (json_path, markdown_path):
-        refuse_bad_target(path)
+        claim_file(path, force)
     rows = []
     print(HEADING)
     try:

@@ -11,6 +11,7 @@ from contextvars import ContextVar
 import numpy as np
 
 from fvcollapse.case.case import Case
+from fvcollapse.console.interruption import Interrupted
 from fvcollapse.errors import NumericalError
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set
@@ -19,7 +20,7 @@ from fvcollapse.step.initial import HALO, initial_grid, initial_state
 from fvcollapse.verification.exact import pressure_hydrostatic
 
 COLUMNS = 1
-INTERRUPTED = ContextVar("interrupted", default=lambda: False)  # whether Ctrl-C waits to be heeded
+INTERRUPTED = ContextVar("interrupted", default=lambda: 0)  # a signal that waits to be heeded
 TIGHT = {"numerics.tolerance": 1e-8, "numerics.max_sweeps": 300}
 
 
@@ -102,9 +103,9 @@ def layer(case, velocity, dt, depth=None, slip=0.0):
 
 
 def heed_interrupt():
-    """Raise KeyboardInterrupt if one waits; within a compiled kernel it would crash the process."""
-    if INTERRUPTED.get()():
-        raise KeyboardInterrupt
+    """Raise Interrupted if a signal waits; within a compiled kernel it would crash the process."""
+    if number := INTERRUPTED.get()():
+        raise Interrupted(number)
 
 
 def run_until(flow, time):

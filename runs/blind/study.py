@@ -47,7 +47,7 @@ from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
 from fvcollapse.diagnosis.verdict import SHIPPED, VerdictModel, solver_of
 from fvcollapse.errors import InputError, NumericalError
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from runs.study import Study
 from runs.study import main as call
 

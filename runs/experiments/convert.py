@@ -7,7 +7,7 @@ martin2017/<slope>_<width> into --tables.
 
 import math
 
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.curves import Scalar, scalars_text
 from fvcollapse.measure.digitised import settings_text
 from fvcollapse.measure.experiment import SETTINGS, load_experiment

@@ -14,7 +14,7 @@ from fvcollapse import load_experiment, observe
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
 from fvcollapse.case.case import Case
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from runs.study import run_cached
 
 CELL_SIZE = 0.005  # m

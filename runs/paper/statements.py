@@ -9,7 +9,7 @@ numbers, their grid uncertainty and a criterion, see `verdicts.py`.
 
 from pathlib import Path
 
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from runs.paper import statements_open, statements_viscosity, statements_walls
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED
 from runs.table import FINE, MissingRun, Tables, write_table

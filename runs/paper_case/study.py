@@ -24,7 +24,7 @@ import numpy as np
 from fvcollapse import diagnose, load_case, load_experiment, observe
 from fvcollapse.blind.measurement import Errors, film
 from fvcollapse.blind.truth import View
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.curves import Scalar, scalars_text
 from runs.experiments.convert import LAST_GRAINS, MARTIN, SALTATION
 from runs.study import Study, run_cached

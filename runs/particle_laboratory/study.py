@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.report import FILE_NAME
 from fvcollapse.diagnosis.verdict import verdict
-from fvcollapse.files.storage import write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
 from runs.study import Study, run_cached
 from runs.study import main as call

@@ -18,6 +18,11 @@ from fvcollapse.errors import InputError, OutputError
 from fvcollapse.output import run as output
 from fvcollapse.output.checkpoint import read_checkpoint
 
+try:
+    import fcntl
+except ImportError:
+    fcntl = None
+
 
 @pytest.fixture(scope="module")
 def case():
@@ -261,3 +266,25 @@ def test_folder_without_permission(case, tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(OutputError, match="Permission denied"):
         output.run_case(case, tmp_path, quiet=True)
+
+
+@pytest.mark.skipif(fcntl is None, reason="no such locks on this system")
+@pytest.mark.parametrize("name", ["result.h5", "checkpoint.h5"])
+def test_file_that_another_program_has_locked_is_told_and_stays(case, folder, name):
+    """A run that is resumed does not begin again because it cannot read now what it has."""
+    before = {path.name: path.read_bytes() for path in folder.glob("*.h5")}
+    longer = case.replace(**{"time.end": 0.1})
+    with open(folder / name, "rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # as HDF5 does for a writer
+        for options in ({"resume": True}, {"force": True}):
+            with pytest.raises(InputError, match=f"{name}.*locked.*HDF5_USE_FILE_LOCKING"):
+                output.run_case(longer, folder, quiet=True, **options)
+    assert {path.name: path.read_bytes() for path in folder.glob("*.h5")} == before
+    assert output.run_case(longer, folder, resume=True, quiet=True).time[-1] == 0.1
+
+
+def test_result_that_is_only_read_elsewhere_is_replaced(case, folder):
+    longer = case.replace(**{"time.end": 0.1})
+    with h5py.File(folder / "result.h5", "r") as file:
+        assert output.run_case(longer, folder, resume=True, quiet=True).complete
+        assert file["series/time"][-1] == case.time.end  # what was opened stays what it was

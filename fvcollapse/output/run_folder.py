@@ -1,0 +1,115 @@
+"""The folder of one run: names of its files, whose run it is, and what a kill left undone there."""
+
+import tomllib
+from contextlib import suppress
+
+from fvcollapse.case.case import case_from_text
+from fvcollapse.errors import InputError, OutputError, UnreadableError
+from fvcollapse.files.atomic import remove_stale, write_atomic
+from fvcollapse.files.storage import reading, text_attribute
+from fvcollapse.output import checkpoint, result
+from fvcollapse.output.xdmf import xdmf_text
+
+RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
+OUTPUT_KEYS = ("time.end", "time.output_interval", "time.field_interval", "time.output_times")
+FORMATS = {RESULT: result.FORMAT, CHECKPOINT: checkpoint.FORMAT}
+
+
+def key_values(case):
+    """All keys of a case that are present, as {dotted name: value}."""
+
+    def flatten(table, prefix):
+        for name, value in table.items():
+            if isinstance(value, dict):
+                yield from flatten(value, f"{prefix}{name}.")
+            else:
+                yield prefix + name, value
+
+    return dict(flatten(tomllib.loads(case.to_toml()), ""))
+
+
+def holds_run(case, folder):
+    """Whether a folder holds a run of exactly this case, finished or not."""
+    found = [stored_case(folder / name) for name in FORMATS]
+    found = [key_values(stored) for stored in found if stored is not None]
+    return bool(found) and all(values == key_values(case) for values in found)
+
+
+def stored_case(path):
+    """The case in a result or checkpoint; None if it is missing or cannot be read."""
+    try:
+        with reading(path, FORMATS[path.name]) as file:
+            return case_from_text(text_attribute(file, "case"), path)
+    except UnreadableError:  # it may be sound
+        raise
+    except InputError:
+        return None
+
+
+def ready(case, folder, resume, force):
+    """Whether to continue what is in a folder that this run holds now; another run goes if `force`."""
+    if force:
+        resume = holds_run(case, folder)
+        if not resume:
+            remove_run(folder)
+    elif not resume:
+        refuse_existing(folder)  # another run may have ended here meanwhile
+    return resume
+
+
+def refuse_existing(folder):
+    """Refuse a folder that already holds a result (or the checkpoint of one)."""
+    for name in (RESULT, CHECKPOINT):
+        if (folder / name).exists():
+            raise InputError(
+                folder / name,
+                "file",
+                "a result that is already there",
+                "another folder, --resume, or --force",
+            )
+
+
+def refuse_other_case(case, stored, path):
+    """Refuse to continue a run with a case that differs in more than its end and outputs."""
+    new, old = key_values(case), key_values(stored)
+    for name in sorted(new.keys() | old.keys()):
+        if name not in OUTPUT_KEYS and new.get(name) != old.get(name):
+            began = old.get(name, "absent")
+            allowed = f"{began}, as the run began (only [time] end and outputs may change)"
+            raise InputError(path, name, str(new.get(name, "absent")), allowed)
+
+
+def remove_run(folder):
+    """Remove result, checkpoint and XDMF file of a run that is to be replaced.
+
+    Raises
+    ------
+    OutputError
+    """
+    for name in (RESULT, XDMF, CHECKPOINT):
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise OutputError(folder / name, error, running=False) from None
+
+
+def tidy(folder):
+    """Remove what killed runs left half written; only for the run that holds the folder."""
+    remove_stale(folder)
+    for name in (RESULT, CHECKPOINT, XDMF):  # the names of earlier versions
+        with suppress(OSError):
+            (folder / f".{name}.tmp").unlink(missing_ok=True)
+
+
+def renew_xdmf(folder):
+    """Write the XDMF file that belongs to the result, unless it is there: a kill may have come before it.
+
+    Raises
+    ------
+    OutputError
+    """
+    with reading(folder / RESULT, result.FORMAT) as file:
+        text = xdmf_text(file, RESULT)
+    path = folder / XDMF
+    if not path.is_file() or path.read_bytes() != text:
+        write_atomic(path, text, running=False)
