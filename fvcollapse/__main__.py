@@ -165,9 +165,10 @@ def plot(arguments):
 
 def result_file(path):
     """The result file that a path means: itself, or `result.h5` in a folder."""
-    result = path / "result.h5" if path.is_dir() else path
-    if not result.is_file():
-        raise InputError(result, "file", "no such file", "a result.h5, or a folder that holds one")
+    from fvcollapse.files.regular import refuse_unreadable
+
+    result = path / "result.h5" if os.path.isdir(path) else path
+    refuse_unreadable(result, "a result.h5, or a folder that holds one")
     return result
 
 
@@ -239,7 +240,7 @@ def converge(arguments):
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    from fvcollapse.files.question import claim_file
+    from fvcollapse.output.question import claim_file
     from fvcollapse.studies.refinement import AXES, refine
     from fvcollapse.studies.refinement_report import NAME, table, write_report
 
@@ -286,7 +287,7 @@ def add_bench(commands):
 
 def bench(arguments):
     """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
-    from fvcollapse.files.question import claim_file
+    from fvcollapse.output.question import claim_file
 
     claim_file(arguments.json, arguments.force)
     from fvcollapse.studies.bench import run_bench, table
@@ -444,7 +445,7 @@ def add_blind_score(parts):
 
 def blind_score(arguments):
     """Open the seal and score the answers: all scores as JSON, with intervals and baselines."""
-    from fvcollapse.files.question import claim_file
+    from fvcollapse.output.question import claim_file
 
     claim_file(arguments.json, arguments.force)
     from fvcollapse.blind.score import score, scores_text, table, write_scores

@@ -143,17 +143,7 @@ def as_output_error(error, path, running):
     return OutputError(path, "no memory to build the file; the previous one is kept", running)
 
 
-def refuse_bad_target(path):
-    """Raise OutputError if a file that is to be written last (None: none) cannot be: before any work is done."""
-    if path is None:
-        return
-    path = Path(path)
-    if not path.absolute().parent.is_dir():
-        raise OutputError(path, "no such folder", running=False)
-    if path.is_dir():
-        raise OutputError(path, "a folder", running=False)
-
-
 def one_line(text):
-    """The text with every line break and run of blanks replaced by one blank."""
-    return " ".join(str(text).split())
+    """The text on one line: runs of blanks and line breaks as one blank, what cannot be printed escaped."""
+    words = " ".join(str(text).split())
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in words)

@@ -50,7 +50,7 @@ class FakeSimulation:
         nz = math.ceil(1.2 * self.case.geometry.height_0 / self.case.grid.cell_size)
         nx = math.ceil(length(self.case, 0.0) / self.case.grid.cell_size) + 3
         arrays = {name: np.zeros(location_shape(FIELDS[name][0], nx, nz)) for name in FIELDS}
-        state = State(**arrays, **{name: 0 if name == "step" else 0.0 for name in SCALARS})
+        state = State(**arrays, **{name: 0 if "step" in name else 0.0 for name in SCALARS})
         self.state = state
         self._fill()
         state.volume_0 = self._volume()

@@ -14,8 +14,8 @@ from fvcollapse.__main__ import main
 from fvcollapse.draw import pictures
 from fvcollapse.draw.drawing import new_figure, png
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.files.question import RECORD, Latitude, claim_file, claim_folder
 from fvcollapse.output import run as output
+from fvcollapse.output.question import RECORD, Latitude, claim_file, claim_folder
 from fvcollapse.studies import refinement_report
 
 CASE = "time.end = 0.03\ngrid.cell_size = 0.02\n"
@@ -182,7 +182,8 @@ def test_files_are_not_overwritten(tmp_path, capsys):
     assert path.read_text() == "notes"
     claim_file(path, force=True)
     claim_file(None)
-    claim_file(os.devnull)
+    with pytest.raises(OutputError, match="a device"):  # the atomic move would replace it
+        claim_file(os.devnull)
 
 
 def test_imported_curves_are_the_same_or_refused(tmp_path, capsys):

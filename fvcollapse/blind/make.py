@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fvcollapse.blind.forms import label_problems, read_form, refuse_names
 from fvcollapse.blind.generator import (
     BLIND,
     ERRORS,
@@ -24,9 +25,9 @@ from fvcollapse.blind.generator import (
 from fvcollapse.blind.measurement import film
 from fvcollapse.blind.truth import keep_truth, view_of
 from fvcollapse.case.case import case_from_text
-from fvcollapse.case.grammar import read_text
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.workers import refuse_workers, run_all
@@ -93,7 +94,7 @@ def make(
         write_labels(labels, plan)
     if (folder / SEAL).exists():
         return folder / SEAL
-    work = labels.with_name(f"{labels.name}.runs")
+    work = make_folder(labels.with_name(f"{labels.name}.runs"), mode=0o700)  # it tells the causes
     run_truths(plan, labels, style, cells, work, workers, scheduler, quiet)
     for name, entry in plan["cases"].items():
         write_case(folder / name, entry["label"], work / run_name(name, entry))
@@ -105,16 +106,15 @@ def make(
 
 def places(folder, labels):
     """(folder, labels) as absolute paths; labels inside the folder are refused."""
-    folder = Path(folder).absolute()
+    folder = Path(os.path.abspath(folder))
+    if not folder.name:
+        raise InputError("command line", "--out", str(folder), "a folder with a name")
     labels = Path(labels).absolute() if labels else folder.with_name(f"{folder.name}.labels.json")
-    if labels.resolve().is_relative_to(folder.resolve()):
+    if Path(os.path.realpath(labels)).is_relative_to(os.path.realpath(folder)):
         allowed = f"a file outside {folder}, which is what is shown"
         raise InputError("command line", "--labels", str(labels), allowed)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        labels.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(error.filename or folder, error, running=False) from None
+    make_folder(folder, SEAL)
+    make_folder(labels.parent, labels.name)
     return folder, labels
 
 
@@ -134,6 +134,7 @@ def begun_plan(count, folder, labels):
         if len(plan["cases"]) != count:
             allowed = f"{len(plan['cases'])}, as in {labels}, or other labels"
             raise InputError("command line", "--cases", f"{count}", allowed)
+        refuse_bad_cases(labels, plan)
         return plan
     if any(folder.iterdir()):
         raise InputError(folder, "folder", "contents without labels", "an empty or new folder")
@@ -159,9 +160,9 @@ def label_of(cause, style, entry, cells):
 
 
 def write_labels(path, plan):
-    """Write the labels, readable to their owner only."""
-    write_atomic(path, (json.dumps(plan, indent=1) + "\n").encode(), running=False)
-    os.chmod(path, 0o600)
+    """Write the labels, readable to their owner only from the first byte on."""
+    text = json.dumps(plan, indent=1) + "\n"
+    write_atomic(path, text.encode(), running=False, private=True)
 
 
 def read_labels(path):
@@ -171,23 +172,19 @@ def read_labels(path):
     ------
     InputError
     """
-    plan = read_json(path, LABELS_FORMAT)
+    plan = read_form(path, LABELS_FORMAT)
+    refuse_names(path, plan["cases"])
     for name, entry in plan["cases"].items():
-        if not isinstance(entry, dict) or not {"salt", "seed", "attempt", "label"} <= set(entry):
-            raise InputError(path, f"cases.{name}", "no label", "salt, seed, attempt and label")
+        for key, found, allowed in label_problems(entry):
+            raise InputError(path, f"cases.{name}.{key}", found, allowed)
     return plan
 
 
-def read_json(path, kind, part="cases"):
-    """A JSON object of a format with a table `part`; a defect is one InputError."""
-    try:
-        table = json.loads(read_text(path, "JSON"))
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "file", f"broken JSON: {error}", f"a {kind} file") from None
-    found = table.get("format") if isinstance(table, dict) else None
-    if found != kind or not isinstance(table.get(part), dict):
-        raise InputError(path, "format", repr(found), f"{kind!r} with {part}")
-    return table
+def refuse_bad_cases(path, plan):
+    """Refuse labels with a truth that is no case, before any of them is run."""
+    for name, entry in plan["cases"].items():
+        for run, each in entry["label"]["experiments"].items():
+            case_from_text(each["case"], f"{path}: cases.{name}.label.experiments.{run}.case")
 
 
 # -- the seal ----------------------------------------------------------------------------------------------

@@ -5,17 +5,18 @@ Nothing is scored unless every label, and every case that is still there, is wha
 
 import json
 import math
+import os
 from collections import Counter
 from hashlib import sha256
 from pathlib import Path
 
+from fvcollapse.blind.forms import Seal, answer_problems, read_form, refuse_names
 from fvcollapse.blind.make import (
     SEAL,
     SEAL_FORMAT,
     canonical,
     data_digest,
     label_digest,
-    read_json,
     read_labels,
 )
 from fvcollapse.blind.metrics import (
@@ -27,14 +28,13 @@ from fvcollapse.blind.metrics import (
     ranking,
     reduction_scores,
 )
-from fvcollapse.case.grammar import closest_name, read_text
+from fvcollapse.case.grammar import closest_name
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.output.forms import form_problems
+from fvcollapse.output.json_files import read_object
 
-VERDICTS = (*NAMED, NONE, UNKNOWN)
-SUM_TOLERANCE = 1.0e-3
 SEPARABLE = 3.0  # d of diagnosis: distance to the nearest other hypothesis in standard deviations
 ALWAYS = "lateral_friction"  # the guess that explains a channel best on the average
 
@@ -100,8 +100,8 @@ def check_seal(folder, plan, labels):
     InputError
         Labels or data are not those that were sealed.
     """
-    seal = read_json(folder / SEAL, SEAL_FORMAT)
-    overall, cases = seal.get("seal"), seal["cases"]
+    seal = read_seal(folder / SEAL)
+    overall, cases = seal["seal"], seal["cases"]
     if set(cases) != set(plan["cases"]):
         raise InputError(labels, "cases", "other cases than the seal", f"those of {folder / SEAL}")
     checked = 0
@@ -109,13 +109,36 @@ def check_seal(folder, plan, labels):
         if label_digest(entry) != cases[name]["label"]:
             broken = "a label that is not the sealed one"
             raise InputError(labels, f"cases.{name}", broken, f"the one of {folder / SEAL}")
-        if (folder / name).is_dir():
+        if os.path.isdir(folder / name):
             checked += 1
-            if data_digest(folder / name) != cases[name]["data"]:
+            if readable_digest(folder / name) != cases[name]["data"]:
                 raise InputError(folder / name, "folder", "other data than sealed", "as sealed")
     if seal_digest(cases) != overall:
         raise InputError(folder / SEAL, "seal", "a hash that is not of its cases", "as written")
     return overall, checked
+
+
+def read_seal(path):
+    """The content of a seal.
+
+    Raises
+    ------
+    InputError
+    """
+    seal = read_form(path, SEAL_FORMAT)
+    refuse_names(path, seal["cases"])
+    for refusal in form_problems(seal, Seal):
+        raise InputError(path, *refusal)
+    return seal
+
+
+def readable_digest(folder):
+    """The `data_digest` of a folder; InputError if something in it cannot be read."""
+    try:
+        return data_digest(folder)
+    except OSError as error:
+        found = (error.strerror or str(error)).lower()
+        raise InputError(error.filename or folder, "file", found, "data that can be read") from None
 
 
 def seal_digest(cases):
@@ -138,75 +161,9 @@ def read_answers(path, cases):
         if name not in cases:
             nearest = f"the closest case is {closest_name(name, list(cases))}"
             raise InputError(path, name, "no such case", nearest)
-        for key, found, allowed in problems(answer):
+        for key, found, allowed in answer_problems(answer):
             raise InputError(path, f"{name}.{key}".rstrip("."), found, allowed)
     return {name: answers[name] for name in cases}
-
-
-def read_object(path, what):
-    """A JSON object; a defect is one InputError."""
-    try:
-        table = json.loads(read_text(path, "JSON"))
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "file", f"broken JSON: {error}", what) from None
-    if not isinstance(table, dict):
-        raise InputError(path, "file", f"a {type(table).__name__}", what)
-    return table
-
-
-def problems(answer):
-    """(key, found, allowed) of what is wrong in an answer."""
-    if not isinstance(answer, dict):
-        yield "", f"a {type(answer).__name__}", "an object"
-        return
-    if answer.get("verdict") not in VERDICTS:
-        yield "verdict", repr(answer.get("verdict")), " or ".join(VERDICTS)
-    probability = answer.get("probability")
-    if not isinstance(probability, dict) or not probability:
-        yield "probability", repr(probability), "{name: probability}"
-        return
-    for name, value in probability.items():
-        if not is_name(name):
-            yield f"probability.{name}", "no such name", NAMES
-        if not is_number(value) or not 0.0 <= value <= 1.0:
-            yield f"probability.{name}", repr(value), "a number from 0 to 1"
-    total = sum(value for value in probability.values() if is_number(value))
-    if abs(total - 1.0) > SUM_TOLERANCE:
-        yield "probability", f"a sum of {total:.6g}", "1"
-    names = answer.get("set", [])
-    if not isinstance(names, list) or not all(is_name(name) for name in names):
-        yield "set", repr(names), f"a list of {NAMES}"
-    yield from problems_of_extras(answer)
-
-
-def problems_of_extras(answer):
-    """What is wrong in the parts that an answer need not have."""
-    reduction = answer.get("reduction", {})
-    keys = ("predicted", "actual", "runner_up")  # and "winner", where an experiment was held out
-    if not isinstance(reduction, dict) or (reduction and set(reduction) - {"winner"} != set(keys)):
-        yield "reduction", repr(reduction), f"an object of {', '.join(keys)}"
-    elif any(value is not None and not is_number(value) for value in reduction.values()):
-        yield "reduction", repr(reduction), "numbers or null"
-    parameters = answer.get("parameters", {})
-    tables = parameters.values() if isinstance(parameters, dict) else [None]
-    for table in tables:
-        for row in table.values() if isinstance(table, dict) else [None]:
-            numbers = [row.get(key) for key in ("value", "low", "high")] if row else [None]
-            if not all(is_number(value) for value in numbers):
-                yield "parameters", repr(row), "{effect: {parameter: {value, low, high}}}"
-                return
-
-
-NAMES = 'effects of the catalogue, two of them joined by "+" in alphabetical order, none, unknown'
-
-
-def is_name(name):
-    """Whether a name can be a cause."""
-    if name in (NONE, UNKNOWN):
-        return True
-    parts = name.split("+") if isinstance(name, str) else []
-    known = {each for each, effect in CATALOGUE.items() if effect.kind != NUISANCE}
-    return 1 <= len(parts) <= 2 and set(parts) <= known and parts == sorted(set(parts))
 
 
 def is_number(value):
@@ -218,7 +175,7 @@ def read_distances(path, cases):
     """{case: d} of a file; cases may be missing."""
     table = read_object(path, "{case: d}")
     for name, value in table.items():
-        if name not in cases or not is_number(value):
+        if name not in cases or not is_number(value) or value < 0.0:
             raise InputError(path, name, repr(value), "{case: d} with cases of the seal")
     return table
 

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.stats import chi2
 
+from fvcollapse.blind.evidence_form import FORMAT, read_content
 from fvcollapse.blind.generator import BLIND, TRAINING, draw_pair, known_effects
-from fvcollapse.blind.make import make, read_json, read_labels
+from fvcollapse.blind.make import make, read_labels
 from fvcollapse.blind.metrics import Outcome, all_scores
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.effect_library import Runner
@@ -25,13 +26,13 @@ from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
 from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
-from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.workers import run_all
 
-FORMAT = "fvcollapse-evidence"
 SHARES = {NONE: 1.5, UNKNOWN: 1.5, SEVERAL: 1.0}  # cases of a class over those of an effect
 QUANTILE_ENDS = 0.002  # of parameters that are told: some priors have no end
 LEVEL = 0.01  # p-value of the chi-square baseline
@@ -90,11 +91,7 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
     dict
         Case -> NumericalError, of those that could not be compared.
     """
-    out = Path(out).absolute()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(out, error, running=False) from None
+    out = make_folder(Path(out).absolute())
     designs = {}
     for case in case_folders(folder):
         path = out / f"{case.name}.json"
@@ -195,24 +192,21 @@ def read_evidence(path):
     ------
     InputError
     """
-    content = read_json(path, FORMAT, "hypotheses")
-    try:
-        found = {
-            name: Hypothesis(
-                name=name,
-                variant=tuple(each["variant"]),
-                p_by_run=each["p_by_run"],
-                p_by_phase={},
-                difference=EMPTY,
-                **{key: each[key] for key in NUMBERS},
-                **{key: np.array(each[key]) for key in ARRAYS},
-            )
-            for name, each in content["hypotheses"].items()
-        }
-        kept = content["mass_balance"]
-        balance = None if kept is None else MassBalance(*map(np.array, kept))
-    except (KeyError, TypeError) as error:
-        raise InputError(path, "hypotheses", f"no {error}", f"a {FORMAT} file") from None
+    content = read_content(path)
+    found = {
+        name: Hypothesis(
+            name=name,
+            variant=tuple(each["variant"]),
+            p_by_run=each["p_by_run"],
+            p_by_phase={},
+            difference=EMPTY,
+            **{key: each[key] for key in NUMBERS},
+            **{key: np.array(each[key]) for key in ARRAYS},
+        )
+        for name, each in content["hypotheses"].items()
+    }
+    kept = content["mass_balance"]
+    balance = None if kept is None else MassBalance(*map(np.array, kept))
     return content, Evidence(found, balance)
 
 

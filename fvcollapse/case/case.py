@@ -17,12 +17,12 @@ from fvcollapse.case.grammar import (
     Section,
     as_table,
     closest,
+    convert,
     key,
     key_table,
     parse_toml,
     plain,
     read_text,
-    refusal_of_type,
     show,
     table_names,
     toml_lines,
@@ -30,6 +30,7 @@ from fvcollapse.case.grammar import (
 from fvcollapse.case.rules import POLYGON_WORDS, RULES
 from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.errors import CaseError
+from fvcollapse.files.trees import ENDLESS_NAME, is_text
 
 GRAVITY = 9.81  # m/s2, fixed
 DOMAIN_MAX = (
@@ -379,6 +380,8 @@ def case_from_text(text, source="case", overrides=()):
     table = parse_toml(text, source, CaseError)
     overridden = set()
     for override in overrides:
+        if not is_text(override):
+            raise CaseError(source, f"--set {override}", "a byte that is not UTF-8", "UTF-8 text")
         path, equals, value = (part.strip() for part in override.partition("="))
         if not (path and equals):
             found = "no key before '='" if equals else "no '='"
@@ -390,13 +393,11 @@ def case_from_text(text, source="case", overrides=()):
 
 def case_from_table(table, source="case", overridden=()):
     """The case in nested dictionaries; `overridden` are the keys that came from `--set`."""
-    try:
-        case = msgspec.convert(table, Case)
+    case, refused = convert(table, Case)
+    if not refused:
         refused = [refusal for rule in RULES for refusal in rule(case)]
-        if not refused:  # what the effects make of the case must be a case too
-            refused = [refusal for rule in RULES for refusal in rule(with_effects(case))]
-    except msgspec.ValidationError as error:
-        refused = [refusal_of_type(table, Case, str(error))]
+    if not refused:  # what the effects make of the case must be a case too
+        refused = [refusal for rule in RULES for refusal in rule(with_effects(case))]
     for name, found, allowed in refused:
         origin = f"{source} with --set {name}" if name in overridden else source
         raise CaseError(origin, name, found, allowed)
@@ -405,6 +406,8 @@ def case_from_table(table, source="case", overridden=()):
 
 def parse_value(text):
     """VALUE of an override: parsed as TOML, else the text itself."""
+    if ENDLESS_NAME.search(text):
+        return text
     try:
         table = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):

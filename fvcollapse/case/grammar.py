@@ -11,6 +11,7 @@ import msgspec
 
 from fvcollapse.errors import InputError
 from fvcollapse.files.regular import read_regular
+from fvcollapse.files.trees import DEPTH_MAX, ENDLESS_NAME, is_deep, tree_problems
 
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -80,10 +81,28 @@ def decode_text(data, path, refuse=InputError):
 
 def parse_toml(text, source, refuse=InputError):
     """Nested dictionaries of a TOML text; a defect is one error of the type `refuse`."""
+    if ENDLESS_NAME.search(text):
+        found = "a name of more than 50 parts"
+        raise refuse(source, "file", found, f"at most {DEPTH_MAX} levels")
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # broken, a number too long, nested too deep
         raise refuse(source, "file", f"broken TOML: {error}", "valid TOML") from None
+
+
+def convert(table, model):
+    """(a model of nested dictionaries or None, what is refused in them).
+
+    What is refused is a list of (key, what was found, what is allowed): of values nested too deep, of
+    texts that are no UTF-8, and of the first value that has not the type or the range of its key.
+    """
+    refused = list(tree_problems(table))
+    if refused:
+        return None, refused
+    try:
+        return msgspec.convert(table, model), []
+    except msgspec.ValidationError as error:
+        return None, [refusal_of_type(table, model, str(error))]
 
 
 # -- the table of all keys ---------------------------------------------------------------------
@@ -235,6 +254,8 @@ def show(value):
     """A value and its type in a few words."""
     if isinstance(value, dict):
         return "a table"
+    if is_deep(value):
+        return f"a list of more than {DEPTH_MAX} levels"
     kinds = {str: "the string ", bool: "the boolean ", list: "the list ", tuple: "the list "}
     text = toml_value(value)
     return kinds.get(type(value), "") + (text if len(text) <= 60 else text[:57] + "...")

@@ -15,14 +15,9 @@ except ImportError:  # not on Windows
 
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.locks import exclusive
-from fvcollapse.step.compiled import not_kept
 from fvcollapse.version import __version__
 
 LOG, LOCK = "run.log", ".run.lock"  # the second one where a log cannot be locked
-UNCACHED = (
-    "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
-    "set NUMBA_CACHE_DIR to a folder that may be written"
-)
 SAID = set()  # warnings that are said once in a process
 
 
@@ -100,11 +95,11 @@ def tell(log, message):
     print(message, file=sys.stderr)
 
 
-def tell_of_kernels(log):
-    """Warn, once in a process, that compiled kernels cannot be kept on the disk."""
-    if not_kept() and UNCACHED not in SAID:
-        SAID.add(UNCACHED)
-        tell(log, UNCACHED)
+def tell_once(log, message):
+    """Warn in the log and on the terminal, once in a process."""
+    if message not in SAID:
+        SAID.add(message)
+        tell(log, message)
 
 
 def progress_bar(case, start, quiet):

@@ -3,6 +3,7 @@
 import dataclasses
 import time
 from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 from msgspec.structs import replace
@@ -22,12 +23,13 @@ from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.oddities import oddities_of, tell
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.reduction import climb
-from fvcollapse.diagnosis.report import Cost, read_report, write_report
-from fvcollapse.diagnosis.report_page import write_page
+from fvcollapse.diagnosis.report import FILE_NAME, Cost, read_report, write_report
+from fvcollapse.diagnosis.report_page import FIGURES, PAGE, write_page
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError
-from fvcollapse.files.question import case_question, claim_folder
+from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
+from fvcollapse.output.question import case_question, claim_folder
 from fvcollapse.studies.workers import refuse_workers
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
@@ -77,7 +79,7 @@ def diagnose(
     draws : int
         Size of the ensemble of calibrated parameters.
     force : bool
-        Take `folder` over from the report of another question; see `fvcollapse.files.question`.
+        Take `folder` over from the report of another question; see `fvcollapse.output.question`.
 
     Returns
     -------
@@ -104,6 +106,8 @@ def diagnose(
         refuse_workers(workers)
         asked = question(experiments, hold_out, controls, case, effects, cell_size)
         claim_folder(folder, "diagnose", asked | {"seed": seed, "draws": draws}, force)
+        make_folder(folder, FILE_NAME, PAGE)
+        make_folder(Path(folder) / FIGURES)
     tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
     analysis = analyse(
@@ -167,7 +171,7 @@ def load_all(experiments):
 
 
 def question(experiments, hold_out, controls, case, effects, cell_size):
-    """What a diagnosis depends on, beside numbers; see `fvcollapse.files.question`.
+    """What a diagnosis depends on, beside numbers; see `fvcollapse.output.question`.
 
     Raises
     ------

@@ -7,17 +7,18 @@ single number may be absent (None) where its type says so, and is never NaN or i
 
 import json
 import math
+import os
 from pathlib import Path
 from typing import Literal
 
 import msgspec
 import numpy as np
 
+from fvcollapse.case.grammar import read_text
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.regular import read_regular
 
 FORMAT = "fvcollapse-report"
 FORMAT_VERSION = 1
@@ -498,13 +499,11 @@ def read_report(path):
         No report, or one that contradicts itself.
     """
     path = Path(path)
-    path = path / FILE_NAME if path.is_dir() else path
+    path = path / FILE_NAME if os.path.isdir(path) else path
+    text = read_text(path, "JSON")
     try:
-        report = msgspec.json.decode(read_regular(path), type=Report)
-    except OSError as error:
-        problem = (error.strerror or str(error)).lower()
-        raise InputError(path, "file", problem, "a report of fvcollapse diagnose") from None
-    except msgspec.MsgspecError as error:
+        report = msgspec.json.decode(text, type=Report)
+    except (msgspec.MsgspecError, RecursionError) as error:
         allowed = f"a {FORMAT} of version {FORMAT_VERSION}"
         raise InputError(path, "file", str(error), allowed) from None
     for key, problem in contradictions(report):

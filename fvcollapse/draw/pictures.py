@@ -36,9 +36,9 @@ from fvcollapse.draw.drawing import (
     times_of_progress,
     title,
 )
-from fvcollapse.errors import OutputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.question import case_question, claim_folder
+from fvcollapse.files.targets import make_folder
+from fvcollapse.output.question import case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.step.erodible_bed import layer_thickness
 
@@ -87,10 +87,6 @@ def draw_all(result_path, folder=None):
     """
     result = open_result(result_path)
     folder = Path(folder) if folder is not None else result.path.parent / "pictures"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder, error, running=False) from None
     pictures = {
         "profiles.png": lambda: png(draw_profiles(result)),
         "interface.png": lambda: png(draw_interface(result)),
@@ -100,6 +96,7 @@ def draw_all(result_path, folder=None):
         "volume.png": lambda: png(draw_volume(result)),
         "animation.gif": lambda: animation(result),
     }
+    make_folder(folder, *pictures)
     for name, draw in pictures.items():
         write_atomic(folder / name, draw())
     return [folder / name for name in pictures]

@@ -59,7 +59,7 @@ def write_atomic(path, data, running=True, private=False):
             with suppress(OSError):
                 os.unlink(name)
         sync_folder(path.parent)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise OutputError(path, error, running) from None
 
 

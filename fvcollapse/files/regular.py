@@ -8,6 +8,8 @@ import stat
 from errno import EINVAL
 from pathlib import Path
 
+from fvcollapse.errors import InputError
+
 SPECIAL = {
     stat.S_IFIFO: "a named pipe",
     stat.S_IFSOCK: "a socket",
@@ -21,6 +23,28 @@ def refuse_special(path):
     kind = SPECIAL.get(stat.S_IFMT(os.stat(path).st_mode))
     if kind is not None:
         raise OSError(EINVAL, f"{kind}, not a regular file")
+
+
+def refuse_unreadable(path, allowed):
+    """Refuse what is no file that can be read.
+
+    Parameters
+    ----------
+    path : str or Path
+    allowed : str
+        What is expected there, for the message.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        refuse_special(path)
+        with open(path, "rb"):
+            pass
+    except (OSError, ValueError) as error:
+        problem = (getattr(error, "strerror", None) or str(error)).lower()
+        raise InputError(path, "file", problem, allowed) from None
 
 
 def read_regular(path):

@@ -8,7 +8,9 @@ import h5py
 import numpy as np
 
 from fvcollapse.errors import InputError, UnreadableError
+from fvcollapse.files.hdf5_safety import unsafe_items
 from fvcollapse.files.regular import refuse_special
+from fvcollapse.files.trees import is_text
 
 LIBVER = (
     "v108",
@@ -53,8 +55,11 @@ def write_dataset(group, name, values, units, description):
 
 
 @contextmanager
-def reading(source, kind):
-    """Open an HDF5 `source` (path or bytes) of format `kind`; any defect is one InputError."""
+def reading(source, kind, part="/"):
+    """Open an HDF5 `source` (path or bytes) of format `kind`; any defect is one InputError.
+
+    Whatever leads out of the file is refused (see `hdf5_safety`) in the group `part` that will be read.
+    """
     name = source if isinstance(source, str | Path) else kind
     allowed = f"a complete {kind} file written by fvcollapse"
     try:
@@ -69,8 +74,11 @@ def reading(source, kind):
         raise refusal(name, "file", problem, allowed) from None
     try:
         with h5py.File(source, "r") as file:
-            if file.attrs["format"] != kind:
-                raise InputError(name, "format", repr(file.attrs["format"]), repr(kind))
+            found = text_attribute(file, "format")
+            if found != kind:
+                raise InputError(name, "format", repr(found), repr(kind))
+            for refusal in unsafe_items(file, part):
+                raise InputError(name, *refusal)
             yield file
     except BlockingIOError:
         held = "a file that another program holds open and has locked"
@@ -83,6 +91,13 @@ def reading(source, kind):
 def text_attribute(file, name):
     """A root attribute that must be text."""
     value = file.attrs[name]
-    if not isinstance(value, str):
-        raise TypeError(f"{name} is no text")
+    if not isinstance(value, str) or not is_text(value):
+        raise InputError(
+            name_of(file), name, "no text in UTF-8", "what fvcollapse has written there"
+        )
     return value
+
+
+def name_of(file):
+    """Path of an open HDF5 file, as errors give it."""
+    return "a file in memory" if file.driver == "fileobj" else file.filename

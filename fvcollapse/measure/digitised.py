@@ -10,7 +10,7 @@ from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.question import ELSEWHERE, has_contents
+from fvcollapse.files.targets import is_there, make_folder
 from fvcollapse.measure.curves import FORMS, curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
@@ -21,6 +21,7 @@ from fvcollapse.measure.experiment import (
 )
 from fvcollapse.measure.experiment_keys import describe_keys, settings_from_table
 from fvcollapse.measure.uncertainty import Uncertainty
+from fvcollapse.output.question import ELSEWHERE, has_contents
 
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}
@@ -65,11 +66,11 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", *, settin
     folder = Path(folder)
     factors = LENGTHS[length], TIMES[time], RATIOS[ratio]
     texts = {f"{name}.csv": text for name, text in curve_texts(sources, *factors).items()}
-    if settings or not (folder / SETTINGS).exists():
+    if settings or not is_there(folder / SETTINGS):
         texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
     for name in texts:
         path = folder / name
-        if path.exists() and not force and not has_contents(path, texts[name].encode()):
+        if is_there(path) and not force and not has_contents(path, texts[name].encode()):
             raise InputError(path, "file", "one that is already there", ELSEWHERE)
     refuse_unreadable(texts, folder)
     write_all(texts, folder)
@@ -101,10 +102,7 @@ def refuse_unreadable(texts, folder):
 def write_all(texts, folder):
     """Write the files of an experiment, {name: text}, all of them or none."""
     new, written = not folder.exists(), []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder, error, running=False) from None
+    make_folder(folder)
     try:
         for name, text in texts.items():
             write_atomic(folder / name, text.encode(), running=False)

@@ -5,9 +5,11 @@ measured. The set-up of the experiment, put on top of what the user believes, is
 simulation of it runs (`Experiment.case`). A `[truth]` section is never looked at.
 """
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from fvcollapse.case.case import Case
 from fvcollapse.case.grammar import parse_toml, read_text
@@ -25,6 +27,7 @@ from fvcollapse.measure.plausibility import refuse_impossible
 from fvcollapse.measure.uncertainty import standard_deviation
 
 SETTINGS = "experiment.toml"
+NAME_MAX = 200  # characters of an experiment's name in the name of a file, of 255
 # key of [uncertainty] of each scalar
 SCALAR_UNCERTAINTY = {name: name for name in SCALAR_UNITS} | {
     "runout": "front",
@@ -137,11 +140,29 @@ def load_experiment(folder):
     folder = Path(folder)
     if folder.name == SETTINGS:
         folder = folder.parent
+    refuse_bad_name(folder)
     settings = read_settings(folder / SETTINGS)
     experiment = Experiment(folder, settings, *read_measurements(folder, settings.uncertainty))
     refuse_impossible(experiment)
     experiment.case()  # a set-up that no simulation can have is refused now
     return experiment
+
+
+def refuse_bad_name(folder):
+    """Refuse a folder whose name no report can show: it becomes part of file names, figures and pages.
+
+    Raises
+    ------
+    InputError
+    """
+    name = os.path.basename(os.path.realpath(folder))
+    if not name or not name.isprintable():
+        allowed = "a folder with a name of printable characters in UTF-8"
+        raise InputError(folder, "folder", f"the name {name!r}", allowed)
+    length = len(quote(name, safe=""))  # as figures are named
+    if length > NAME_MAX:
+        allowed = f"at most {NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
+        raise InputError(folder, "folder", f"a name of {length} characters", allowed)
 
 
 def read_settings(path):

@@ -3,9 +3,7 @@
 from math import inf
 from typing import Annotated
 
-import msgspec
-
-from fvcollapse.case.grammar import Section, key, key_table, refusal_of_type
+from fvcollapse.case.grammar import Section, convert, key, key_table
 from fvcollapse.case.rules import rule_finite
 from fvcollapse.errors import InputError
 from fvcollapse.measure.uncertainty import DEFAULTS, Uncertainty
@@ -142,11 +140,8 @@ def with_default(info, default):
 
 def settings_from_table(table, path):
     """The `Settings` in nested dictionaries; every key that is there is right, none is required."""
-    try:
-        settings = msgspec.convert(table, Settings)
-    except msgspec.ValidationError as error:
-        raise InputError(path, *refusal_of_type(table, Settings, str(error))) from None
-    for refusal in (*rule_finite(settings), *rule_gate(settings)):
+    settings, refused = convert(table, Settings)
+    for refusal in refused or (*rule_finite(settings), *rule_gate(settings)):
         raise InputError(path, *refusal)
     return settings
 

@@ -269,8 +269,7 @@ class Recorder:
 
     @classmethod
     def read(cls, file):
-        """The recorder that wrote this file."""
-        check_layout(file)
+        """The recorder that wrote this file, whose form has been checked (see `record_layout`)."""
         recorder = cls()
         recorder.series = {name: file["series"][name][:].tolist() for name in recorder.series}
         recorder.steps = {name: file["steps"][name][:].tolist() for name in file["steps"]}
@@ -288,34 +287,6 @@ def about_field(name):
     if name in EFFECT_FIELDS:
         return EFFECT_FIELDS[name][2:]
     return FIELDS.get(name, ("SI", name.replace("_", " ")))
-
-
-def check_layout(file):
-    """Raise KeyError or ValueError unless all that a recorder wrote is there and fits together."""
-    n = file["series/time"].size
-    profile = (file["profiles/time"].size, file["profiles/x"].size)
-    shapes = {f"series/{name}": (n,) for name in SERIES if stored(file, name)}
-    shapes |= {f"steps/{name}": (n - 1,) for name in [*STEPS, *file["steps"]]}
-    shapes |= {f"profiles/{name}": profile for name in PROFILES}
-    for name, shape in shapes.items():
-        if file[name].shape != shape:
-            raise ValueError(f"{name} has shape {file[name].shape} instead of {shape}")
-    for index in range(len(file["fields"])):
-        if not set(FIELDS) <= set(file["fields"][str(index)]):
-            raise KeyError(f"fields/{index}")
-
-
-def stored(file, name):
-    """Whether the series is in the file, or has to be: one that came later may be absent."""
-    return name in file["series"] or name not in SINCE_RELEASED
-
-
-def read_series(file):
-    """All series of a result, (n,) each."""
-    absent = np.zeros(file["series/time"].size)
-    return {
-        name: file["series"][name][:] if stored(file, name) else absent.copy() for name in SERIES
-    }
 
 
 def pad_rows(rows, width):

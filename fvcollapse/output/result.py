@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +11,9 @@ import numpy as np
 from fvcollapse.case.case import case_from_text
 from fvcollapse.files.storage import reading, text_attribute
 from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
-from fvcollapse.output.recorder import SERIES, check_layout, read_series
+from fvcollapse.output.field_layout import read_field
+from fvcollapse.output.record_layout import check_header, read_record
+from fvcollapse.output.recorder import SERIES
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
 
 FORMAT = "fvcollapse-result"
@@ -49,17 +52,17 @@ class Result:
         self._source = source
         self.path = None if isinstance(source, io.BytesIO) else Path(source)
         with reading(source, FORMAT) as file:
-            check_layout(file)
+            check_header(file, complete=True)
             self.complete = bool(file.attrs["complete"])
             self.status = read_status(file, self.complete)
             self.code_version = text_attribute(file, "code_version")
             self.case_text = text_attribute(file, "case")
-            self.series = read_series(file)
-            self.steps = {name: data[:] for name, data in file["steps"].items()}
-            self.profiles = Profiles(*(file["profiles"][name][:] for name in Profiles._fields))
+            self.case = case_from_text(self.case_text, self.path or "result")
+            record = read_record(file, self.case)
+            self.series, self.steps = record.series, record.steps
+            self.profiles = Profiles(**record.profiles)
             self.field_times = read_field_times(file)
             trust = read_trust(file)
-        self.case = case_from_text(self.case_text, self.path or "result")
         capped, count = int(self.steps["capped"].sum()), len(self.steps["capped"])
         self.trust = trust or trust_of(
             self.status, self.series["relative_volume"], capped, count, self.case
@@ -73,10 +76,8 @@ class Result:
     def field(self, index):
         """Fields of one stored time (−1: the last): dict of arrays, and floats time, dx, dz."""
         index = range(len(self.field_times))[index]
-        with reading(self._source, FORMAT) as file:
-            group = file["fields"][str(index)]
-            arrays = {name: data[:] for name, data in group.items()}
-            return arrays | {name: float(group.attrs[name]) for name in ("time", "dx", "dz")}
+        with reading(self._source, FORMAT, f"fields/{index}") as file:
+            return read_field(file, index)
 
     def summary(self):
         """The numbers of the summary table, SI units; `arrest_time` is None when not at rest."""
@@ -128,7 +129,7 @@ def open_result(path):
         One line, if it is missing, truncated, or no result.
     """
     path = Path(path)
-    return Result(path / "result.h5" if path.is_dir() else path)
+    return Result(path / "result.h5" if os.path.isdir(path) else path)
 
 
 def write_status(file, status, trust):

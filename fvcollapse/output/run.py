@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import case_from_text
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt
-from fvcollapse.console.terminal import log_start, progress_bar, run_log, tell, tell_of_kernels
+from fvcollapse.console.terminal import log_start, progress_bar, run_log, tell, tell_once
 from fvcollapse.errors import (
     InputError,
     OutputError,
@@ -23,6 +23,7 @@ from fvcollapse.errors import (
 )
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.storage import build_image
+from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
@@ -41,7 +42,12 @@ from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
 from fvcollapse.simulation import Simulation
+from fvcollapse.step.compiled import not_kept
 
+UNCACHED = (
+    "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
+    "set NUMBA_CACHE_DIR to a folder that may be written"
+)
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
 SAVING_SHARE = 0.05  # part of the wall time that saving may take in a large run
 CAPPED_LOGGED = 20  # capped steps that are logged one by one
@@ -97,6 +103,7 @@ def run_case(
     folder = Path(folder)
     if not (resume or force):
         refuse_existing(folder)
+    make_folder(folder)
     with run_log(folder) as log:
         tidy(folder)
         resume = ready(case, folder, resume, force)
@@ -112,7 +119,8 @@ def run_case(
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
         log_start(log, case, stored)
-        tell_of_kernels(log)
+        if not_kept():
+            tell_once(log, UNCACHED)
         with failures_named():
             job = Job(case, stored)
         keeper = Keeper(job, folder, log, checkpoint_interval)

@@ -7,6 +7,7 @@ from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import InputError, OutputError, UnreadableError
 from fvcollapse.files.atomic import remove_stale, write_atomic
 from fvcollapse.files.storage import reading, text_attribute
+from fvcollapse.files.targets import is_there
 from fvcollapse.output import checkpoint, result
 from fvcollapse.output.xdmf import xdmf_text
 
@@ -60,7 +61,7 @@ def ready(case, folder, resume, force):
 def refuse_existing(folder):
     """Refuse a folder that already holds a result (or the checkpoint of one)."""
     for name in (RESULT, CHECKPOINT):
-        if (folder / name).exists():
+        if is_there(folder / name):
             raise InputError(
                 folder / name,
                 "file",

@@ -28,7 +28,8 @@ from typing import NamedTuple
 
 from fvcollapse.errors import CaseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.question import Latitude, case_question, claim_folder
+from fvcollapse.files.targets import make_folder
+from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.step.grid import spacing
 from fvcollapse.studies.convergence import (
@@ -41,6 +42,8 @@ from fvcollapse.studies.convergence import (
 )
 from fvcollapse.studies.least_squares import fit
 from fvcollapse.studies.members import run_member, run_members
+
+NAME = "converge"  # of the files of the report
 
 
 def cell_root(result):
@@ -187,6 +190,7 @@ def refine(
     }
     asked = case_question(case, without=member_keys(axis)) | {"axis": axis, "values": ordered}
     claim_folder(folder, "converge", asked, force, Latitude(growing=("values",)))
+    make_folder(folder, *(f"{NAME}.{suffix}" for suffix in ("json", "csv", "png")))
     run = partial(run_member, force=True) if force else run_member
     failures = {}
     width = min(workers, len(cases))

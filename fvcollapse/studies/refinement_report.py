@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.studies.refinement import AXES, FORMAL_ORDER, PROFILE
+from fvcollapse.studies.refinement import AXES, FORMAL_ORDER, NAME, PROFILE
 from fvcollapse.studies.refinement_figure import draw_png
 
 LABELS = {
@@ -21,7 +21,6 @@ LABELS = {
 }
 NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci")
 ROLES = ("coarse", "medium", "fine")
-NAME = "converge"
 RATIO_LEAST = 1.3  # recommended by Celik et al. (2008)
 
 

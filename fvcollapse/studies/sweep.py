@@ -25,7 +25,8 @@ from fvcollapse.errors import (
 )
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.files.question import Latitude, case_question, claim_folder
+from fvcollapse.files.targets import make_folder
+from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import refuse_workers, run_all
@@ -87,6 +88,7 @@ def sweep(
     latitude = Latitude(free=tuple(f"case.{key}" for key in variations))
     if not claim_folder(folder, "sweep", case_question(case), force, latitude):
         (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+    make_folder(folder, TABLE)
     found = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):

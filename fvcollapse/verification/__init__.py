@@ -8,7 +8,7 @@ from pathlib import Path
 from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.question import claim_file
+from fvcollapse.output.question import claim_file
 
 
 def problem_names():

@@ -25,9 +25,9 @@ from functools import partial
 from pathlib import Path
 
 from fvcollapse.blind.generator import TRAINING, known_effects
-from fvcollapse.blind.make import SEAL, SEAL_FORMAT, make, read_json
+from fvcollapse.blind.make import SEAL, make
 from fvcollapse.blind.metrics import reduction_scores
-from fvcollapse.blind.score import answer_of, score, table, write_scores
+from fvcollapse.blind.score import answer_of, read_seal, score, table, write_scores
 from fvcollapse.blind.suite import (
     SIMPLE,
     answers,
@@ -194,7 +194,7 @@ def held_out_report(case, folder, arguments):
 def score_answers(arguments):
     """Distances of the true causes, and all scores."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
-    published, kept = (read_json(each / SEAL, SEAL_FORMAT) for each in (arguments.tables, folder))
+    published, kept = (read_seal(each / SEAL) for each in (arguments.tables, folder))
     if published != kept:
         raise InputError(folder / SEAL, "file", "another seal", f"that of {arguments.tables}")
     path = arguments.tables / "distances.json"

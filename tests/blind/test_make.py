@@ -128,7 +128,7 @@ def test_bad_input_is_one_line(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="broken JSON"):
         make(4, tmp_path / "new", tmp_path / "broken.json")
     (tmp_path / "foreign.json").write_text('{"format": "another"}')
-    with pytest.raises(InputError, match="format: found 'another'"):
+    with pytest.raises(InputError, match='format: found the string "another"'):
         make(4, tmp_path / "new", tmp_path / "foreign.json")
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError):

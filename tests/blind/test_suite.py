@@ -7,9 +7,9 @@ import pytest
 from toy_laboratory import ToyRunner, film
 
 from fvcollapse.blind import suite as suites
+from fvcollapse.blind.forms import answer_problems
 from fvcollapse.blind.generator import BLIND, TRAINING
 from fvcollapse.blind.make import LABELS_FORMAT
-from fvcollapse.blind.score import problems
 from fvcollapse.blind.suite import (
     SIMPLE,
     answers,
@@ -56,8 +56,8 @@ def toy_suite(folder, causes):
             mu_1=float(rng.normal(0.45, 0.012)),
         )
         kind = ("balloon", "sponge")[number % 2] if cause == "unknown" else None
-        label = {"cause": cause, "unknown_kind": kind, "effects": effects}
-        cases[name] = {"salt": "00", "seed": number, "attempt": 0, "label": label}
+        label = {"cause": cause, "unknown_kind": kind, "effects": effects, "experiments": {}}
+        cases[name] = {"salt": "00" * 16, "seed": number, "attempt": 0, "label": label}
     plan = {"format": LABELS_FORMAT, "cases": cases}
     (folder / "labels.json").write_text(json.dumps(plan))
     return folder
@@ -102,7 +102,7 @@ def test_answers_are_answers_and_mostly_right(studied, model, tmp_path):
     write_answers(tmp_path / "answers.json", found)
     found = json.loads((tmp_path / "answers.json").read_text())
     assert set(found) == set(labels)
-    assert not [problem for each in found.values() for problem in problems(each)]
+    assert not [problem for each in found.values() for problem in answer_problems(each)]
     right = [
         max(found[name]["probability"], key=found[name]["probability"].get)
         == labels[name]["label"]["cause"]
@@ -117,7 +117,7 @@ def test_answers_are_answers_and_mostly_right(studied, model, tmp_path):
 def test_simple_rules_answer_too(studied, rule):
     folder, _ = studied
     found = answers(folder / "evidence", simple=rule)
-    assert not [problem for each in found.values() for problem in problems(each)]
+    assert not [problem for each in found.values() for problem in answer_problems(each)]
     assert (
         len({max(each["probability"], key=each["probability"].get) for each in found.values()}) > 1
     )

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fvcollapse.case.grammar import as_table
-from fvcollapse.errors import InputError, OutputError, refuse_bad_target
+from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import PREFIX, write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
+from fvcollapse.files.targets import is_there, refuse_bad_target
 
 RECORD = "question.json"
 FORMAT = "fvcollapse-question"
@@ -201,7 +202,7 @@ def claim_file(path, force=False, copy_of=None):
         It cannot be written.
     """
     refuse_bad_target(path)
-    if path is None or force or not Path(path).exists() or is_stream(path):
+    if path is None or force or not is_there(path):
         return
     if copy_of is None or not has_contents(path, read_or_none(copy_of)):
         raise InputError(path, "file", "one that is already there", ELSEWHERE)
@@ -218,8 +219,3 @@ def read_or_none(path):
         return Path(path).read_bytes()
     except OSError:
         return None
-
-
-def is_stream(path):
-    """Whether a path is a device or a pipe, which holds nothing that could be lost."""
-    return not Path(path).is_file()

@@ -1,0 +1,256 @@
+"""The forms of labels, seal and answers: what a file of others must be before anything is done with it.
+
+Names of cases and of experiments become names of folders: they are `case_<digits>`, and those of the
+set-ups that are known.
+"""
+
+import re
+from typing import Annotated
+
+import msgspec
+
+from fvcollapse.blind.generator import SET_UPS
+from fvcollapse.case.grammar import closest_name, show
+from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.errors import InputError
+from fvcollapse.output.forms import form_problems
+from fvcollapse.output.json_files import read_object
+
+VERDICTS = (*NAMED, NONE, UNKNOWN)
+NAMES = 'effects of the catalogue, two of them joined by "+" in alphabetical order, none, unknown'
+CASE_NAME = re.compile(r"case_[0-9]{1,12}")
+SUM_TOLERANCE = 1.0e-3
+
+Whole = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
+Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+Digest = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}\Z")]
+Salt = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{32}\Z")]
+
+
+# -- labels ------------------------------------------------------------------------------------------------
+
+
+class LinearDrag(msgspec.Struct, tag_field="kind", tag="linear_drag"):
+    """See `outside.linear_drag`."""
+
+    rate: float
+
+
+class QuadraticDrag(msgspec.Struct, tag_field="kind", tag="quadratic_drag"):
+    """See `outside.quadratic_drag`."""
+
+    length: Positive
+
+
+class Strip(msgspec.Struct, tag_field="kind", tag="strip"):
+    """See `outside.strip`."""
+
+    friction: float
+    first: float
+    last: float
+
+
+class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
+    """See `outside.uneven_friction`."""
+
+    friction: float
+    waves: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
+    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
+
+    def __post_init__(self):
+        if len(self.waves) != len(self.phases):
+            raise ValueError("as many phases as waves")
+
+
+class Magnification(msgspec.Struct, tag_field="kind", tag="magnification"):
+    """See `outside.magnification`."""
+
+    error: Annotated[float, msgspec.Meta(gt=-1.0, le=1.0)]
+
+
+class Clock(msgspec.Struct, tag_field="kind", tag="clock"):
+    """See `outside.clock`."""
+
+    error: Annotated[float, msgspec.Meta(gt=-1.0, le=1.0)]
+
+
+class GrainLoss(msgspec.Struct, tag_field="kind", tag="grain_loss"):
+    """See `outside.grain_loss`."""
+
+    lost: Share
+
+
+class FallenGrains(msgspec.Struct, tag_field="kind", tag="fallen_grains"):
+    """See `outside.fallen_grains`."""
+
+
+class Run(msgspec.Struct):
+    """One experiment of a label."""
+
+    case: str
+    forces: list[LinearDrag | QuadraticDrag | Strip | UnevenFriction]
+    readings: list[Magnification | Clock | GrainLoss | FallenGrains]
+    noise: Whole
+
+
+class Drawn(msgspec.Struct):
+    """One effect of a label."""
+
+    closure: Whole
+    section: dict[str, bool | float | str]
+    quantiles: dict[str, Share]
+
+
+class Label(msgspec.Struct):
+    """What is hidden in a case, see `generator.draw_label`."""
+
+    cause: str
+    unknown_kind: str | None
+    effects: dict[str, Drawn]
+    experiments: dict[str, Run]
+
+
+class Entry(msgspec.Struct):
+    """A label with its salt and the seed of its draw."""
+
+    salt: Salt
+    seed: Whole
+    attempt: Whole
+    label: Label
+
+
+def label_problems(entry):
+    """(key, found, allowed) of what is wrong in an entry of the labels."""
+    wrong = list(form_problems(entry, Entry))
+    if wrong:
+        yield from wrong
+        return
+    label = entry["label"]
+    if not is_name(label["cause"]):
+        yield "label.cause", show(label["cause"]), NAMES
+    elif (label["unknown_kind"] is not None) != (label["cause"] == UNKNOWN):
+        yield (
+            "label.unknown_kind",
+            str(label["unknown_kind"]),
+            f"a kind where the cause is {UNKNOWN}",
+        )
+    for name, drawn in label["effects"].items():
+        yield from drawn_problems(name, drawn)
+    for name in label["experiments"]:
+        if name not in SET_UPS:
+            nearest = closest_name(name, list(SET_UPS))
+            yield "label.experiments", show(name), f"set-ups; the closest is {nearest}"
+
+
+def drawn_problems(name, drawn):
+    """The same for one effect."""
+    key = f"label.effects.{name}"
+    if name not in CATALOGUE:
+        yield "label.effects", show(name), "effects of the catalogue"
+        return
+    variants = CATALOGUE[name].variants
+    if drawn["closure"] >= len(variants):
+        yield f"{key}.closure", f"{drawn['closure']}", f"0 to {len(variants) - 1}"
+    for parameter in drawn["quantiles"]:
+        value = drawn["section"].get(parameter)
+        if parameter not in CATALOGUE[name].priors or isinstance(value, bool | str | None):
+            yield f"{key}.quantiles", show(parameter), "parameters of the effect, with a value"
+
+
+# -- the seal ----------------------------------------------------------------------------------------------
+
+
+class Sealed(msgspec.Struct):
+    """Hashes of one case."""
+
+    label: Digest
+    data: Digest
+
+
+class Seal(msgspec.Struct):
+    """What `SEAL.json` holds."""
+
+    seal: Digest
+    cases: dict[str, Sealed]
+
+
+# -- answers -----------------------------------------------------------------------------------------------
+
+
+class Interval(msgspec.Struct):
+    """A parameter with its interval of 90 %."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Reduction(msgspec.Struct):
+    """Parts of the gap that are closed; `winner` where an experiment was held out."""
+
+    predicted: float | None
+    actual: float | None
+    runner_up: float | None
+    winner: float | None = None
+
+
+class Answer(msgspec.Struct):
+    """The answer to one case, see `score.score`."""
+
+    verdict: str
+    probability: Annotated[dict[str, Share], msgspec.Meta(min_length=1)]
+    set: list[str] = []
+    parameters: dict[str, dict[str, Interval]] = {}
+    reduction: Reduction | msgspec.UnsetType = msgspec.UNSET
+
+
+def answer_problems(answer):
+    """(key, found, allowed) of what is wrong in an answer."""
+    wrong = list(form_problems(answer, Answer))
+    if wrong:
+        yield from wrong
+        return
+    if answer["verdict"] not in VERDICTS:
+        yield "verdict", show(answer["verdict"]), " or ".join(VERDICTS)
+    for name in answer["probability"]:
+        if not is_name(name):
+            yield f"probability.{name}", "no such name", NAMES
+    total = sum(answer["probability"].values())
+    if abs(total - 1.0) > SUM_TOLERANCE:
+        yield "probability", f"a sum of {total:.6g}", "1"
+    if not all(is_name(name) for name in answer.get("set", [])):
+        yield "set", show(answer["set"]), f"a list of {NAMES}"
+    for effect, table in answer.get("parameters", {}).items():
+        for name, row in table.items():
+            if row["low"] > row["high"]:
+                found = f"low = {row['low']:g}, high = {row['high']:g}"
+                yield f"parameters.{effect}.{name}", found, "low <= high"
+
+
+# -- files -------------------------------------------------------------------------------------------------
+
+
+def is_name(name):
+    """Whether a name can be a cause."""
+    if name in (NONE, UNKNOWN):
+        return True
+    parts = name.split("+")
+    known = {each for each, effect in CATALOGUE.items() if effect.kind != NUISANCE}
+    return 1 <= len(parts) <= 2 and set(parts) <= known and parts == sorted(set(parts))
+
+
+def read_form(path, kind, part="cases"):
+    """A JSON object of a format with a table `part`; a defect is one InputError."""
+    table = read_object(path, f"a {kind} file")
+    if table.get("format") != kind or not isinstance(table.get(part), dict):
+        raise InputError(path, "format", show(table.get("format", "none")), f"{kind!r} with {part}")
+    return table
+
+
+def refuse_names(path, cases):
+    """Refuse names of cases that are anything but `case_<digits>`."""
+    for name in cases:
+        if not CASE_NAME.fullmatch(name):
+            raise InputError(path, "cases", show(name), "names of cases: case_<digits>")
