@@ -6,3 +6,4 @@ RULE = (
     "with anything else in it is refused before anything is computed."
 )
 FORCE = "replace results of another question that are in the way"  # help of the option
+ELSEWHERE = "another place, or --force"  # what a refusal allows

@@ -114,3 +114,16 @@ def prove(path):
     handle, temporary = locked_temporary(path.parent)
     os.close(handle)
     os.unlink(temporary)
+
+
+def has_contents(path, data):
+    """Whether a file holds these bytes (None: never)."""
+    return data is not None and read_or_none(path) == data
+
+
+def read_or_none(path):
+    """The bytes of a file, None if it cannot be read."""
+    try:
+        return Path(path).read_bytes()
+    except OSError:
+        return None

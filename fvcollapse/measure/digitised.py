@@ -10,7 +10,8 @@ from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.targets import is_there, make_folder
+from fvcollapse.files.overwriting import ELSEWHERE
+from fvcollapse.files.targets import has_contents, is_there, make_folder
 from fvcollapse.measure.curves import FORMS, curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
@@ -21,7 +22,6 @@ from fvcollapse.measure.experiment import (
 )
 from fvcollapse.measure.experiment_keys import describe_keys, settings_from_table
 from fvcollapse.measure.uncertainty import Uncertainty
-from fvcollapse.output.question import ELSEWHERE, has_contents
 
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}

@@ -20,11 +20,11 @@ from fvcollapse.case.grammar import as_table
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import PREFIX, write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.files.targets import is_there, refuse_bad_target
+from fvcollapse.files.overwriting import ELSEWHERE
+from fvcollapse.files.targets import has_contents, is_there, read_or_none, refuse_bad_target
 
 RECORD = "question.json"
 FORMAT = "fvcollapse-question"
-ELSEWHERE = "another place, or --force"
 OUTPUTS = ("time.output_interval", "time.field_interval", "time.output_times")
 
 
@@ -206,16 +206,3 @@ def claim_file(path, force=False, copy_of=None):
         return
     if copy_of is None or not has_contents(path, read_or_none(copy_of)):
         raise InputError(path, "file", "one that is already there", ELSEWHERE)
-
-
-def has_contents(path, data):
-    """Whether a file holds these bytes (None: never)."""
-    return data is not None and read_or_none(path) == data
-
-
-def read_or_none(path):
-    """The bytes of a file, None if it cannot be read."""
-    try:
-        return Path(path).read_bytes()
-    except OSError:
-        return None
