@@ -214,9 +214,7 @@ class Keeper:
             failure, status = ending(error, self.job.state.time)
             self.log.error("stopped: %s", failure, exc_info=None if failure is error else error)
             self.save(status)
-            if failure is error:
-                raise
-            raise failure from error
+            raise failure from (None if failure is error else error)
         self.save(COMPLETE)
 
     def note(self, record):
@@ -236,8 +234,7 @@ class Keeper:
 
     def save(self, status):
         """Checkpoint, result and XDMF file, in this order, each replaced atomically."""
-        start = time.monotonic()
-        job = self.job
+        start, job = time.monotonic(), self.job
         try:
             write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
             write_atomic(self.folder / RESULT, job.result_image(status), self.running)
