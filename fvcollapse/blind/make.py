@@ -181,8 +181,11 @@ def read_labels(path):
 
 
 def refuse_bad_cases(path, plan):
-    """Refuse labels with a truth that is no case, before any of them is run."""
+    """Refuse labels without a truth, or with one that is no case, before any of them is run."""
     for name, entry in plan["cases"].items():
+        if not entry["label"]["experiments"]:
+            key = f"cases.{name}.label.experiments"
+            raise InputError(path, key, "no experiment", "one or more")
         for run, each in entry["label"]["experiments"].items():
             case_from_text(each["case"], f"{path}: cases.{name}.label.experiments.{run}.case")
 

@@ -40,7 +40,7 @@ def form_problems(tree, form):
         if blind == len(path):
             break
         table = value_at(tree, steps)  # msgspec does not tell which key of a table of equal values
-        key, message = blame(tree, table, form)
+        key, message = blame(tree, table, form, path[: blind + 1])
         steps.append(key)
     value = value_at(tree, steps)
     yield ".".join(map(str, steps)), show(value), allowed_by(message)
@@ -62,14 +62,17 @@ def steps_of(message):
     return [name or (int(index) if index else None) for name, index, _ in found]
 
 
-def blame(tree, table, form):
-    """(key, message) of the first entry of a table inside a tree that is at fault; the others are removed."""
+def blame(tree, table, form, path):
+    """(key, message) of the entry of a table inside a tree that is at fault; the others are removed.
+
+    `path` are the steps to it: what is wrong elsewhere in the tree is no fault of an entry.
+    """
     entries = dict(table)
     for key, value in entries.items():
         table.clear()
         table[key] = value
         message = misfit(tree, form)
-        if message is not None:
+        if message is not None and steps_of(message)[: len(path)] == path:
             return key, message
     raise ValueError("a table that fits")  # unreachable: msgspec has refused one of its entries
 

@@ -401,6 +401,7 @@ LABELS = {
         lambda entry: entry["label"]["experiments"].update({"../../x": {}}),
         "experiments",
     ),
+    "no experiment": (change_label(experiments={}), "experiments"),
     "short salt": (lambda entry: entry.update(salt="00"), "salt"),
     "salt that is no number": (lambda entry: entry.update(salt="z" * 32), "salt"),
     "negative seed": (lambda entry: entry.update(seed=-1), "seed"),

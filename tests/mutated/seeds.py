@@ -81,8 +81,15 @@ EVIDENCE = {
     "experiments": ["slope16_width10"],
     "hypotheses": {
         name: {
-            **dict.fromkeys(("log_evidence", "log_evidence_wide", "log_prior", "sigma"), -1.5),
-            **{"p_value": 0.3, "residual_outside": 0.1, "u": [0.5], "low": [0.2], "high": [0.8]},
+            **dict.fromkeys(("log_evidence", "log_evidence_wide", "log_prior"), -1.5),
+            **{
+                "sigma": 1.0,
+                "p_value": 0.3,
+                "residual_outside": 0.1,
+                "u": [0.5],
+                "low": [0.2],
+                "high": [0.8],
+            },
             **{"variant": [0], "p_by_run": {"slope16_width10": 0.4}},
         }
         for name in ("none", "gate", "cohesion", "cohesion+gate")
