@@ -139,8 +139,8 @@ def cell_moments(level_set, aperture, i, k):
         right_low = min(right_low, 2.0 * left_low - level_set[i - 1, k])
         right_high = min(right_high, 2.0 * left_high - level_set[i - 1, k + 1])
     if aperture[i, k] == 0.0:
-        left_low = max(left_low, 0.0) if right_low > 0.0 else left_low
-        left_high = max(left_high, 0.0) if right_high > 0.0 else left_high
+        left_low = max(left_low, min(right_low, 0.0))  # a jump where `right_low` is zero
+        left_high = max(left_high, min(right_high, 0.0))  # could leave no volume that fits
     return polygon_moments(left_low, right_low, right_high, left_high)
 
 

@@ -36,6 +36,7 @@ def initial_level_set(case, grid):
     node, until the surface moves.
     """
     distance = _distance(case, grid)
+    distance[:, 0] = np.minimum(distance[:, 0], distance[:, 1])  # as `level_set.close_bed` does
     touch = ON_SURFACE * min(grid.dx, grid.dz)
     return np.where(np.abs(distance) < touch, -touch, distance)
 

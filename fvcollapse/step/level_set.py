@@ -28,7 +28,8 @@ BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the r
 SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
 MOVING = 0.01  # of the largest speed: where the swift surface alone cannot give the volume back, all that moves does
 VOLUME_TOLERANCE = 1.0e-12  # of the volume, at which a correction ends
-SHIFT_TRIALS = 40  # of the search for that shift: four on average, more where the surface has a corner on a node
+SECANT_TRIALS = 8  # of the search for that shift: four on average. Bisection follows, where a corner of the surface
+SHIFT_TRIALS = 60  # is a node: half a cell then comes or goes within a ten-thousandth of a cell
 
 
 def needs_restoring(travel, steps):
@@ -415,10 +416,16 @@ def reinitialise(phi, sweeps, dx, dz):
 
 
 @inner_jit()
-def rows_below(reach, level_set, height):
-    """Rows of each column of cells, counted from the bed, up to the last with a corner lower than `height`."""
+def rows_below(reach, level_set, aperture, height):
+    """Rows of each column of cells, counted from the bed, up to the last with a corner lower than `height`.
+
+    All rows behind a gate, where the surface of the column continues (`cell_moments`).
+    """
     for i in range(reach.size):
         k = level_set.shape[1] - 1
+        reach[i] = k
+        if aperture[i + 1].min() < 1.0:
+            continue
         while k >= 0 and level_set[i, k] >= height and level_set[i + 1, k] >= height:
             k -= 1
         reach[i] = min(k + 1, level_set.shape[1] - 1)
@@ -490,7 +497,7 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
         Cell size, m: the shift stays below `SHIFT_MOST` of it.
     """
     reach = np.empty(packing.shape[0], np.int64)
-    rows_below(reach, phi, SHIFT_MOST * h)
+    rows_below(reach, phi, aperture, SHIFT_MOST * h)
     before = volume(phi, aperture, packing, reach)
     missing = target - before
     if abs(missing) <= VOLUME_TOLERANCE * target:
@@ -501,7 +508,7 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
     q_old, gap_old = 0.0, missing
     q = 1e-4 * h if missing > 0.0 else -1e-4 * h
     gap = missing
-    for _ in range(SHIFT_TRIALS):
+    for trial in range(SHIFT_TRIALS):
         for i in range(phi.shape[0]):
             for k in range(phi.shape[1]):
                 phi[i, k] = original[i, k] - q * mobility[i, k]
@@ -517,8 +524,6 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
         q_next = q - gap * (q - q_old) / (gap - gap_old)
         q_old, gap_old = q, gap
         q = min(max(q_next, -most), most)
-        if (
-            not low < q < high and abs(q) < most
-        ):  # where a corner of the surface is a node, V(q) is no straight line
+        if trial >= SECANT_TRIALS or (not low < q < high and abs(q) < most):
             q = 0.5 * (low + high)
     return missing - gap, gap
