@@ -27,6 +27,7 @@ SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
 SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
 MOVING = 0.01  # of the largest speed: where the swift surface alone cannot give the volume back, all that moves does
+RAMP = 0.01  # by which the second shift falls off from the back wall to the end of the domain
 VOLUME_TOLERANCE = 1.0e-12  # of the volume, at which a correction ends
 SECANT_TRIALS = 8  # of the search for that shift: four on average. Bisection follows, where a corner of the surface
 SHIFT_TRIALS = 60  # is a node: half a cell then comes or goes within a ten-thousandth of a cell
@@ -471,12 +472,14 @@ def hold_volume(phi, aperture, speed, packing, target, h):
     fastest = speed.max()
     if fastest == 0.0:
         return 0.0
-    total, missing = correct_volume(phi, aperture, speed / fastest, packing, target, h)
+    moved = phi.copy()
+    added, missing = correct_volume(phi, aperture, speed / fastest, packing, target, h)
     if abs(missing) > VOLUME_TOLERANCE * target:
+        phi[:] = moved
         mobility = np.minimum(speed / (MOVING * fastest), 1.0)
+        mobility *= np.linspace(1.0, 1.0 - RAMP, phi.shape[0])[:, None]
         added, _ = correct_volume(phi, aperture, mobility, packing, target, h)
-        total += added
-    return total
+    return added
 
 
 @kernel_jit()

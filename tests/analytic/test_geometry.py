@@ -37,16 +37,22 @@ def test_moments_of_a_corner(a, b):
 @given(st.tuples(*[st.floats(-1, 1)] * 4))
 def test_inside_and_outside_fill_the_cell(corners):
     corners = [corner if abs(corner) > 1e-6 else 1e-6 for corner in corners]
-    diagonal_is_ambiguous = (
-        np.sign(corners[0]) == np.sign(corners[2]) != np.sign(corners[1]) == np.sign(corners[3])
-    )
     inside = polygon_moments(*corners)
     outside = polygon_moments(*(-corner for corner in corners))
     assert 0.0 <= inside[0] <= 1.0
-    if not diagonal_is_ambiguous:
-        assert inside[0] + outside[0] == pytest.approx(1.0, abs=1e-12)
-        assert inside[1] + outside[1] == pytest.approx(0.5, abs=1e-12)
-        assert inside[2] + outside[2] == pytest.approx(0.5, abs=1e-12)
+    assert inside[0] + outside[0] == pytest.approx(1.0, abs=1e-12)
+    assert inside[1] + outside[1] == pytest.approx(0.5, abs=1e-12)
+    assert inside[2] + outside[2] == pytest.approx(0.5, abs=1e-12)
+
+
+@pytest.mark.parametrize("shift", range(4))
+@pytest.mark.parametrize("corners", [(-1.0, 0.2, 0.0, 0.3), (-1.0, -0.2, 0.0, 0.3)])
+def test_area_does_not_jump_where_a_corner_gets_wet(corners, shift):
+    """A dry corner of value 0 beside two dry ones stays a corner of no area when it becomes wet."""
+    dry, wet = ([*corners], [*corners])
+    dry[2], wet[2] = 1e-9, -1e-9
+    areas = [polygon_moments(*np.roll(values, shift))[0] for values in (dry, wet)]
+    assert areas[0] == pytest.approx(areas[1], abs=1e-5)
 
 
 def test_area_of_a_disc_converges_at_second_order():
