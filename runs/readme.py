@@ -21,6 +21,7 @@ from runs.readme_reports import (
     cost_of_effects,
     cost_of_sweeps,
     cost_shares,
+    diagnosis_example,
     runouts,
     verification,
 )
@@ -33,6 +34,7 @@ PARTS = {
     "effects": effects,
     "priors": priors,
     "verification": verification,
+    "example": diagnosis_example,
     "blind": blind_scores,
     "cost": cost_of_cases,
     "cost-shares": cost_shares,

@@ -1,8 +1,11 @@
 """Tables of stored reports for the README files."""
 
 import json
+import textwrap
 from pathlib import Path
 
+from fvcollapse.diagnosis.report import read_report
+from fvcollapse.diagnosis.report_words import answer
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
 from runs.readme_keys import table
@@ -11,6 +14,8 @@ from runs.table import read_table
 RUNS = Path(__file__).parent
 AIM_FIRST, AIM_SET, AIM_NAMES, AIM_ALARM = "90 %", "90 %", "2.5", "5 %"  # set before the check
 AIM_UNKNOWN, AIM_CONFIDENT, AIM_REDUCTION = "60 %", "4", "80 %"
+EXAMPLE = Path("particle_laboratory") / "labelled" / "lateral_walls_16deg"
+TEXT_WIDTH = 100
 OUTSIDE = {
     "quadratic_drag": "another drag",
     "slippery_strip": "a worn strip of the bed",
@@ -201,6 +206,13 @@ def numbers(scores):
             "",
         ),
     ]
+
+
+def diagnosis_example():
+    """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
+    report = read_report(RUNS / EXAMPLE)
+    lines = [textwrap.fill(sentence, TEXT_WIDTH) for sentence in answer(report)]
+    return "\n".join(["```text", *lines, "```\n"])
 
 
 # -- cost ----------------------------------------------------------------------------------------
