@@ -1,4 +1,4 @@
-"""What a run tells while it goes on (run.log, progress bar), and its interruption."""
+"""Log file, progress bar and interruption of a run."""
 
 import logging
 import platform
@@ -22,13 +22,13 @@ LOG = "run.log"
 
 
 class LogFile(logging.FileHandler):
-    """A log that a full disk does not stop: the results will report it."""
+    """A log file that ignores a full disk, which is reported when the results are saved."""
 
     def handleError(self, record):  # noqa: N802 (name fixed by logging)
         """Drop the record."""
 
     def close(self):
-        """Close the file; what it could not take is dropped."""
+        """Close the file; records that could not be written are lost."""
         with suppress(OSError):
             super().close()
 
@@ -81,7 +81,7 @@ def log_start(log, case, stored):
 def progress_bar(case, start, quiet):
     """Bar over the simulated time with step, dt and ETA, on stderr."""
     layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
-    terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room at all
+    terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room
     return tqdm(
         total=max(case.time.end, start),
         initial=start,
@@ -89,17 +89,17 @@ def progress_bar(case, start, quiet):
         bar_format=layout,
         ncols=terminal.columns,
         nrows=terminal.lines,
-        leave=None,  # below a bar over several runs it goes when it is full
+        leave=None,  # a bar below that of several runs is removed at its end
         disable=quiet or not sys.stderr.isatty(),
     )
 
 
 @contextmanager
 def deferred_interrupt():
-    """Let Ctrl-C and SIGTERM wait for the end of the step.
+    """Defer Ctrl-C and SIGTERM to the end of the step.
 
-    Yields a function that says whether one came. A second Ctrl-C stops at once, leaving the last
-    checkpoint.
+    Yields a function that returns whether a signal has arrived. A second signal stops at once and
+    leaves the last checkpoint.
     """
     came = []
 

@@ -1,8 +1,8 @@
-"""Files that a kill, a crash or a full disk cannot break, and reading that trusts nothing.
+"""Atomic writing and checked reading of files.
 
-A file is built in memory, written beside its destination, forced to the disk and then put in place
-in one atomic move: at any instant the destination is the last complete version. Nothing is ever
-unpickled.
+A file is built in memory, written beside its destination, forced to the disk and moved into place
+atomically. After a kill, a crash or a full disk the destination is the last complete version.
+Nothing is ever unpickled.
 """
 
 import os
@@ -88,7 +88,7 @@ def write_atomic(path, data, running=True):
 
 
 def sync_folder(folder):
-    """Force the names in a folder to the disk, where the system can."""
+    """Force the names in a folder to the disk, if the system supports it."""
     if os.name == "posix":
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -99,9 +99,9 @@ def sync_folder(folder):
 
 @contextmanager
 def exclusive(path):
-    """Hold the lock file at `path`, made with its folder if need be; whoever holds it is waited for.
+    """Hold the lock file at `path`, and wait while another process holds it; make it if it is missing.
 
-    The system frees it when the process dies.
+    The system releases the lock when the process dies.
 
     Raises
     ------

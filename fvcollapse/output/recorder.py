@@ -1,8 +1,8 @@
-"""What a run leaves behind: series at every step, profiles, fields, step log.
+"""Record of a run: series at every step, profiles, fields, step log.
 
 The schedule is a pure function of the case, so that a resumed run lands on the same times to the
-last bit. Fields are compressed once, into an HDF5 file in memory, from where each result and
-checkpoint copies them.
+last bit. Fields are compressed once, into an HDF5 file in memory. Every result and checkpoint
+copies them from there.
 """
 
 from typing import NamedTuple
@@ -151,7 +151,7 @@ def multiples(interval, end):
 
 
 class Recorder:
-    """Accumulates what a run leaves behind; `write` and `read` are exact inverses.
+    """Record of a run in memory; `read` restores exactly what `write` has stored.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Recorder:
     # -- while the run goes on -------------------------------------------------------------------
 
     def add_series(self, simulation):
-        """Append the instantaneous values of the present state, and the running ones."""
+        """Append the values of the present state, and the running maxima and sums."""
         quantities = simulation.cell_quantities()
         row = measure(
             simulation.state,
@@ -211,7 +211,7 @@ class Recorder:
         self.profiles["static_height"].append(static_height(state, grid) - layer)
 
     def add_field(self, simulation):
-        """Compress the present fields into /fields/<index>, and what ParaView needs beside."""
+        """Compress the present fields into /fields/<index>, and write the arrays for ParaView."""
         state, grid = simulation.state, simulation.grid
         own = ("level_set", "u", "w", *state.effect_fields())
         arrays = {name: getattr(state, name) for name in own}
@@ -291,7 +291,7 @@ def about_field(name):
 
 
 def check_layout(file):
-    """Raise KeyError or ValueError unless all that a recorder wrote is there and fits together."""
+    """Raise KeyError or ValueError if a part of a record is missing, or if the sizes do not match."""
     n = file["series/time"].size
     profile = (file["profiles/time"].size, file["profiles/x"].size)
     shapes = {f"series/{name}": (n,) for name in SERIES if stored(file, name)}
@@ -306,7 +306,7 @@ def check_layout(file):
 
 
 def stored(file, name):
-    """Whether the series is in the file, or has to be: one that came later may be absent."""
+    """Whether a series is read from the file; a series of `SINCE_RELEASED` may be absent from old files."""
     return name in file["series"] or name not in SINCE_RELEASED
 
 
@@ -319,7 +319,7 @@ def read_series(file):
 
 
 def pad_rows(rows, width):
-    """Rows of growing length as one array, with zeros where the domain did not reach yet."""
+    """Rows of growing length as one array, with zeros beyond the end that the domain had then."""
     table = np.zeros((len(rows), width))
     for row, values in zip(table, rows, strict=True):
         row[: len(values)] = values

@@ -1,7 +1,7 @@
 """Many runs at once: in processes of this machine, or on the workers of a Dask cluster.
 
-Both are used through the interface of `concurrent.futures`. A call whose worker died is made again;
-calls that run a case are such that what is finished is not run again and what was cut short
+Both are used through the interface of `concurrent.futures`. A call whose worker died is made again.
+Calls that run a case can be repeated: a finished run is not run again, and an interrupted run
 continues from its checkpoint (`run_member`). The workers of a cluster must see the folders of this
 machine (a shared file system) and have the same solver.
 """
@@ -95,7 +95,7 @@ def refuse_workers(workers):
 
 
 def drain(pool, width, task, calls, queue, end):
-    """Work the queue off, `width` calls at a time; return early when the pool is broken."""
+    """Make the calls of the queue, `width` at a time; return early when the pool is broken."""
     running = {}
     while queue or running:
         try:
@@ -111,7 +111,7 @@ def drain(pool, width, task, calls, queue, end):
 
 
 def call(version, task, arguments):
-    """What a worker does."""
+    """Make one call inside a worker."""
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
         raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
@@ -134,7 +134,7 @@ def outcome_of(future):
 
 
 def is_named(error, name):
-    """Whether an error is of a type of this name, of a package that may be absent."""
+    """Whether an error has a type of this name; its package need not be installed."""
     return type(error).__name__ == name
 
 
@@ -244,7 +244,7 @@ def one_thread():
 
 @contextmanager
 def interrupted_by_sigterm():
-    """Let SIGTERM end what goes on here as Ctrl-C does."""
+    """Let SIGTERM interrupt this process as Ctrl-C does."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -256,14 +256,14 @@ def interrupted_by_sigterm():
 
 
 def interrupt(number, frame):
-    """What SIGTERM does."""
+    """Interrupt this process: the handler of SIGTERM."""
     raise KeyboardInterrupt
 
 
 def begin_worker():
-    """Keep Ctrl-C from a worker, and end it with its parent.
+    """Shield a worker from Ctrl-C, and end it with its parent.
 
-    It gets one signal, from the parent, that it answers by saving.
+    The parent sends it one signal, after which it saves its run and ends.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if os.name == "posix":
