@@ -16,7 +16,9 @@ ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
 EXECUTED, SAVED, SHOWN = ("sh", "python"), ("toml",), ("text",)
 SLOW = "slow"
-LEFT_OUT = shutil.ignore_patterns(".*", "out", "dist", "build", "*.egg-info")
+LEFT_OUT = shutil.ignore_patterns(
+    ".git", ".venv*", ".*_cache", ".hypothesis", "out", "dist", "*.egg-info"
+)
 
 
 class Block(NamedTuple):
