@@ -14,17 +14,9 @@ from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files.storage import write_atomic
+from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
-from runs.readme_reports import (
-    blind_scores,
-    cost_of_cases,
-    cost_of_effects,
-    cost_of_sweeps,
-    cost_shares,
-    diagnosis_example,
-    runouts,
-    verification,
-)
+from runs.readme_reports import blind_scores, diagnosis_example, runouts, verification
 
 ROOT = Path(__file__).parents[1]
 COMMAND = "python -m runs.readme"
@@ -53,7 +45,7 @@ def readmes():
 
 def parts_of(text):
     """The generated parts of a text, as (command, body) in their order."""
-    return [(found["command"], found["body"]) for found in PART.finditer(text)]
+    return [(match["command"], match["body"]) for match in PART.finditer(text)]
 
 
 def part(command):
@@ -73,9 +65,9 @@ def part(command):
 def remade(text):
     """A text with all its parts made again."""
 
-    def replace(found):
-        body = part(found["command"])
-        return f"<!-- begin: {found['command']} -->\n{body}<!-- end -->\n"
+    def replace(match):
+        body = part(match["command"])
+        return f"<!-- begin: {match['command']} -->\n{body}<!-- end -->\n"
 
     return PART.sub(replace, text)
 

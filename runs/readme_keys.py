@@ -9,19 +9,9 @@ from fvcollapse.case.case import Case
 from fvcollapse.case.case import describe_keys as describe_case_keys
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.measure.experiment_keys import describe_keys as describe_experiment_keys
+from runs.readme_tables import table
 
 KIND = {OBSERVATION: " (observation)", NUISANCE: " (error of the set-up)"}
-
-
-def table(heading, rows):
-    """A Markdown table with a heading; cells are texts."""
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "".join("| " + " | ".join(map(escaped, cells)) + " |\n" for cells in lines)
-
-
-def escaped(text):
-    """A text that ends no cell of a table."""
-    return text.replace("|", "\\|")
 
 
 def key_rows(infos):

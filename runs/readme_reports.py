@@ -1,6 +1,5 @@
 """Tables of stored reports for the README files."""
 
-import json
 import textwrap
 from pathlib import Path
 
@@ -8,10 +7,9 @@ from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report_words import answer
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
-from runs.readme_keys import table
-from runs.table import read_table
+from runs.readme_tables import stored, table
+from runs.table import RUNS, read_table
 
-RUNS = Path(__file__).parent
 AIM_FIRST, AIM_SET, AIM_NAMES, AIM_ALARM = "90 %", "90 %", "2.5", "5 %"  # set before the check
 AIM_UNKNOWN, AIM_CONFIDENT, AIM_REDUCTION = "60 %", "4", "80 %"
 EXAMPLE = Path("particle_laboratory") / "labelled" / "lateral_walls_16deg"
@@ -23,22 +21,6 @@ OUTSIDE = {
     "short_channel": "a channel that ends",
     "magnification": "a wrong scale of the film",
 }
-TERMS = (
-    "implicit solve",
-    "surface",
-    "recording and the rest",
-    "momentum advection",
-    "continuation of the velocity",
-    "energy budget",
-    "geometry",
-)
-SWEEP = ("coefficients", "assembly", "factorisation", "substitution")
-WIDTHS = {"w10cm": "10 cm", "winf": "∞"}
-
-
-def stored(*names):
-    """A JSON file of a study."""
-    return json.loads(RUNS.joinpath(*names).read_text(encoding="utf-8"))
 
 
 # -- verification and collapses ------------------------------------------------------------------
@@ -93,7 +75,8 @@ def blind_scores():
     """The scores of the sealed suite, beside the aims that were set before."""
     scores = stored("blind", "scores.json")
     heading = (f"{scores['cases']} sealed cases", "reached [95 % interval]", "aim")
-    return table(heading, [*naming(scores), *alarms(scores), *numbers(scores)])
+    rows = [naming, alarms, probabilities, reductions]
+    return table(heading, [line for make in rows for line in make(scores)])
 
 
 def naming(scores):
@@ -159,12 +142,11 @@ def alarms(scores):
     ]
 
 
-def numbers(scores):
-    """Rows on probabilities, parameters, reductions and simpler methods."""
-    calibration, reduction = scores["calibration"], scores["reduction"]
+def probabilities(scores):
+    """Rows on probabilities and intervals of parameters."""
+    calibration = scores["calibration"]
     error, confident = calibration["ece_5_bins"], calibration["confident_errors"]
     covered = scores["parameters"]["interval_90_covers"]
-    simple = scores["baselines"]
     return [
         ("wrong answers with a probability above 90 %", number(confident), AIM_CONFIDENT),
         (
@@ -177,15 +159,19 @@ def numbers(scores):
             f"{100 * calibration['mean_confidence']:.0f} %, {100 * calibration['accuracy']:.0f} %",
             "equal",
         ),
+        (f"90 % intervals hold the parameter, of {covered['n']}", percent(covered), "90 %"),
+    ]
+
+
+def reductions(scores):
+    """Rows on the gap that closes, and on simpler methods."""
+    reduction, simple = scores["reduction"], scores["baselines"]
+    predicted = reduction["within_tolerance"]
+    methods = ("answers_nearest_signature", "answers_chi_square_ranking", "always_none")
+    return [
         (
-            f"90 % intervals hold the parameter, of {covered['n']}",
-            percent(covered),
-            "90 %",
-        ),
-        (
-            f"predicted reduction of the gap within 0.15 of the actual one, of "
-            f"{reduction['within_tolerance']['n']} named",
-            number(reduction["within_tolerance"]),
+            f"predicted reduction of the gap within 0.15 of the actual one, of {predicted['n']} named",
+            number(predicted),
             AIM_REDUCTION,
         ),
         (
@@ -195,14 +181,7 @@ def numbers(scores):
         ),
         (
             "right name first with a simpler method: nearest signature, chi-square, always none",
-            ", ".join(
-                percent(simple[name]["top_1"], False)
-                for name in (
-                    "answers_nearest_signature",
-                    "answers_chi_square_ranking",
-                    "always_none",
-                )
-            ),
+            ", ".join(percent(simple[name]["top_1"], False) for name in methods),
             "",
         ),
     ]
@@ -213,97 +192,3 @@ def diagnosis_example():
     report = read_report(RUNS / EXAMPLE)
     lines = [textwrap.fill(sentence, TEXT_WIDTH) for sentence in answer(report)]
     return "\n".join(["```text", *lines, "```\n"])
-
-
-# -- cost ----------------------------------------------------------------------------------------
-
-
-def bench_rows():
-    """Cases of the benchmark in their order, the finest grid from a report of its own."""
-    rows = stored("bench", "bench.json")["cases"]
-    known = {row["name"] for row in rows}
-    rows += [row for row in stored("bench", "finest.json")["cases"] if row["name"] not in known]
-    order = {family: place for place, family in enumerate(dict.fromkeys(map(family_of, rows)))}
-    return sorted(rows, key=lambda row: (order[family_of(row)], -row["cell_size"]))
-
-
-def family_of(row):
-    """Slope and width of a case of the benchmark."""
-    return row["name"].rpartition("_")[0]
-
-
-def case_words(row):
-    """A case of the benchmark in words."""
-    slope, width = family_of(row).split("_")
-    return f"{slope.removesuffix('deg')}°, {WIDTHS[width]}, {cell_words(row)}"
-
-
-def cell_words(row):
-    """The cell size of a case."""
-    return f"{1000 * row['cell_size']:g} mm"
-
-
-def cost_of_cases():
-    """What whole runs cost."""
-    heading = (
-        "case",
-        "time loop (s)",
-        "command (s)",
-        "steps",
-        "sweeps",
-        "µs per cell and step",
-        "memory (MB)",
-    )
-    return table(
-        heading,
-        [
-            (
-                case_words(row),
-                f"{row['wall_s']:.1f}",
-                f"{row['command_s']:.1f}",
-                str(row["steps"]),
-                str(row["sweeps"]),
-                f"{row['us_per_cell_and_step']:.1f}",
-                f"{row['memory_mb']:.0f}",
-            )
-            for row in bench_rows()
-        ],
-    )
-
-
-def reference_rows():
-    """The case at 22 degrees and w = 10 cm on all grids, from coarse to fine."""
-    return [row for row in bench_rows() if family_of(row) == "22deg_w10cm"]
-
-
-def cost_shares():
-    """Where the time of a run goes, in %."""
-    rows = [
-        (cell_words(row), *(f"{100 * row['share'][term]:.0f}" for term in TERMS))
-        for row in reference_rows()
-    ]
-    return table(("cell", *TERMS), rows)
-
-
-def cost_of_sweeps():
-    """Time of the parts of a sweep, and its ratio to the bound of memory traffic."""
-    rows = [
-        (
-            cell_words(row),
-            *(
-                f"{1e3 * row['sweep_s'][name]:.2f} ms, {row['over_bound'][name]:.0f}"
-                for name in SWEEP
-            ),
-        )
-        for row in reference_rows()
-    ]
-    return table(("cell", *SWEEP), rows)
-
-
-def cost_of_effects():
-    """Time loop with an effect over that without any."""
-    rows = stored("bench", "effects.json")["cases"]
-    return table(
-        ("effect", "cost factor"),
-        [(f"`{row['name']}`", f"{row['cost_factor']:.2f}") for row in rows[1:]],
-    )

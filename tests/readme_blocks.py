@@ -37,7 +37,7 @@ class Block(NamedTuple):
 def blocks_of(path):
     """The blocks of a README file in their order."""
     text = path.read_text(encoding="utf-8")
-    infos = [(found["info"].split(), found["code"]) for found in BLOCK.finditer(text)]
+    infos = [(match["info"].split(), match["code"]) for match in BLOCK.finditer(text)]
     return [Block(words[0] if words else "", tuple(words[1:]), code) for words, code in infos]
 
 

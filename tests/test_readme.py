@@ -152,16 +152,16 @@ def test_a_part_is_printed_by_its_command(capsys):
 def anchors(path):
     """Anchors of the headings of a file, as the pages of the repository have them."""
     headings = HEADING.findall(path.read_text(encoding="utf-8"))
-    return {re.sub(r"[^\w\- ]", "", each.lower()).replace(" ", "-") for each in headings}
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.mark.parametrize("path", [*FILES, ROOT / "fvcollapse" / "CHANGELOG.md"], ids=name_of)
 def test_links_lead_somewhere(path):
-    for found in LINK.finditer(path.read_text(encoding="utf-8")):
-        target = (path.parent / found["path"]).resolve() if found["path"] else path
-        assert target.exists(), found[0]
-        if found["anchor"]:
-            assert found["anchor"] in anchors(target), found[0]
+    for match in LINK.finditer(path.read_text(encoding="utf-8")):
+        target = (path.parent / match["path"]).resolve() if match["path"] else path
+        assert target.exists(), match[0]
+        if match["anchor"]:
+            assert match["anchor"] in anchors(target), match[0]
 
 
 @pytest.mark.parametrize(("name", "most"), LINES_MAX.items())
