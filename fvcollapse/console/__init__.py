@@ -1,1 +1,1 @@
-"""The terminal: what is printed, and what a signal does."""
+"""Log, progress bar and signals."""

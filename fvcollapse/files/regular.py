@@ -1,6 +1,6 @@
-"""Reading of input from regular files alone.
+"""Reading of input from regular files only.
 
-A named pipe without a writer, a terminal or a device would be waited for without an end.
+Reading from a named pipe without a writer, a terminal or a device would never end.
 """
 
 import os
@@ -19,7 +19,7 @@ SPECIAL = {
 
 
 def refuse_special(path):
-    """Raise OSError if something that is no file and no folder stands at `path`, or nothing at all."""
+    """Raise OSError unless there is a file or a folder at `path`."""
     kind = SPECIAL.get(stat.S_IFMT(os.stat(path).st_mode))
     if kind is not None:
         raise OSError(EINVAL, f"{kind}, not a regular file")

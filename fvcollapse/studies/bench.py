@@ -1,9 +1,9 @@
-"""What a run costs: fixed cases, each in a process of its own, against the bound set by memory traffic.
+"""Cost of fixed cases, each in its own process, compared with the bound set by memory traffic.
 
 The bound of a run: in every nonlinear sweep each unknown and each coefficient of the assembled
 operator is read once and each unknown written once, at the bandwidth of a triad on arrays of the
-same total size (in the cache where those fit). No sweep can be faster; how many sweeps a step takes
-is not in the bound.
+same total size (in the cache where those fit). No sweep can be faster. The number of sweeps
+of a step is not part of the bound.
 """
 
 import json
@@ -242,7 +242,7 @@ def figures(timed):
 
 
 def mean_over_sweeps(timed, name):
-    """Mean of what was found at each instant, each for the sweeps that are nearest to it."""
+    """Mean of the values at the instants, each weighted with the number of sweeps nearest to it."""
     made = np.array([part["sweeps"] for part in timed.sweep_parts])
     between = 0.5 * (made[1:] + made[:-1])
     weights = np.diff([0.0, *between, timed.sweeps])
@@ -299,7 +299,7 @@ def time_command(case, folder, number):
 
 
 def refuse_failure(done):
-    """Raise what made a process of the benchmark fail."""
+    """Raise the error of a process of the benchmark that has failed."""
     if done.returncode != 0:
         reason = done.stderr.strip().splitlines()[-1:] or [f"exit status {done.returncode}"]
         raise NumericalError(f"a case of the benchmark failed: {reason[0]}")
@@ -328,7 +328,7 @@ def sweep_times():
 
 
 def machine():
-    """What the figures were measured on."""
+    """Processor, system and versions on which the figures were measured."""
     model = platform.processor()
     info = Path("/proc/cpuinfo")
     if info.exists():
@@ -357,7 +357,7 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=
     quiet : bool
         No progress bar.
     end : float, optional
-        The collapses are cut short at this time, s: what a step costs on the finest grid needs no whole one.
+        The collapses end at this time, s. The cost of a step on the finest grid needs no complete collapse.
     finest : bool
         Without names, the cases on the finest grid too.
 

@@ -1,4 +1,4 @@
-"""Proof against theory: flows with an exact solution, run through the solver of the collapse."""
+"""Verification: flows with an exact solution, run through the solver of the collapse."""
 
 import difflib
 import sys
@@ -73,7 +73,7 @@ def verify(names=None, json_path=None, markdown_path=None, force=False):
 
 @contextmanager
 def heeded_between_steps():
-    """Let Ctrl-C wait for the end of a time step of whatever flow is running."""
+    """Defer Ctrl-C to the end of a time step of the flow that is running."""
     from fvcollapse.verification.flows import INTERRUPTED
 
     with deferred_interrupt() as interrupted:

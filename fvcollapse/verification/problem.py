@@ -1,4 +1,4 @@
-"""What a verification problem is, and how it is solved and judged.
+"""Verification problems: definition, solution and pass criterion.
 
 Errors are relative to a scale of the flow (its surface velocity, the weight, the area of the
 surface). A problem passes if its largest error on the finest grid is within `tolerance` and, where
@@ -21,9 +21,10 @@ ORDER_MARGIN = 0.2
 class Problem(NamedTuple):
     """A flow with a known solution.
 
-    `term` is what it proves. `errors` takes the number of cells per depth (or per side) and returns
-    the relative errors, a 1-D array; `tolerance` is that of the largest error on the finest grid,
-    and `source` says where it comes from if there is no order of convergence to expect.
+    `term` is the term of the equations that it verifies. `errors` takes the number of cells per
+    depth (or per side) and returns the relative errors, a 1-D array. `tolerance` is that of the
+    largest error on the finest grid, and `source` its origin where no order of convergence is
+    expected.
     """
 
     name: str

@@ -1,10 +1,10 @@
-"""The terms of the equations that verification problems prove, and the file that holds each."""
+"""The terms of the equations that the problems verify, and the file of each term."""
 
 from typing import NamedTuple
 
 
 class Term(NamedTuple):
-    """What it is called in the table, and its file inside the package."""
+    """Name of a term in the table, and its file inside the package."""
 
     words: str
     file: str

@@ -1,4 +1,4 @@
-"""Steady flow between lateral walls that rub; what of the error is the grid's, and what the regularisation's."""
+"""Steady flow between lateral walls with friction; the error is split into grid and regularisation."""
 
 from functools import cache, lru_cache
 

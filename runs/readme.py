@@ -1,0 +1,94 @@
+"""The generated parts of the README files.
+
+    python -m runs.readme NAME       print one part
+    python -m runs.readme --write    remake all parts in their files
+
+A part stands between `<!-- begin: python -m runs.readme NAME -->` and `<!-- end -->`. Everything outside of these
+markers is written by hand. The parts are made of the keys, the catalogue of effects and the stored reports of the
+studies; nothing is computed.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+from fvcollapse.errors import FvcollapseError, InputError
+from fvcollapse.files.storage import write_atomic
+from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
+from runs.readme_keys import case_keys, effects, experiment_keys, priors
+from runs.readme_reports import blind_scores, diagnosis_example, runouts, verification
+
+ROOT = Path(__file__).parents[1]
+COMMAND = "python -m runs.readme"
+PARTS = {
+    "keys": case_keys,
+    "experiment-keys": experiment_keys,
+    "effects": effects,
+    "priors": priors,
+    "verification": verification,
+    "example": diagnosis_example,
+    "blind": blind_scores,
+    "cost": cost_of_cases,
+    "cost-shares": cost_shares,
+    "cost-sweeps": cost_of_sweeps,
+    "cost-effects": cost_of_effects,
+    "runouts": runouts,
+}
+PART = re.compile(r"<!-- begin: (?P<command>[^\n]*) -->\n(?P<body>.*?)<!-- end -->\n", re.DOTALL)
+
+
+def readmes():
+    """Paths of the README files of the repository."""
+    below = [path for name in ("fvcollapse", "runs") for path in (ROOT / name).rglob("README.md")]
+    return [ROOT / "README.md", *sorted(below)]
+
+
+def parts_of(text):
+    """The generated parts of a text, as (command, body) in their order."""
+    return [(match["command"], match["body"]) for match in PART.finditer(text)]
+
+
+def part(command):
+    """The body of the part that a command makes.
+
+    Raises
+    ------
+    InputError
+        No part is made by this command.
+    """
+    name = command.removeprefix(f"{COMMAND} ")
+    if name not in PARTS:
+        raise InputError("command line", "NAME", name, "one of " + ", ".join(PARTS))
+    return PARTS[name]()
+
+
+def remade(text):
+    """A text with all its parts made again."""
+
+    def replace(match):
+        body = part(match["command"])
+        return f"<!-- begin: {match['command']} -->\n{body}<!-- end -->\n"
+
+    return PART.sub(replace, text)
+
+
+def main(arguments):
+    """Print one part, or remake all of them; return the exit status."""
+    try:
+        if arguments == ["--write"]:
+            for path in readmes():
+                old = path.read_text(encoding="utf-8")
+                new = remade(old)
+                if new != old:
+                    write_atomic(path, new.encode())
+                    print(path.relative_to(ROOT))
+        else:
+            print(part(" ".join(arguments)), end="")
+    except FvcollapseError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

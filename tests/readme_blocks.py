@@ -1,0 +1,80 @@
+"""Code blocks of README files, and a checkout in which they run.
+
+The line that opens a block says what it is: its language, and `slow` for a block that takes minutes. A block of
+`toml` names the file as which a reader saves it. `sh` and `python` are executed; `text` is what a command prints.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[1]
+BLOCK = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
+EXECUTED, SAVED, SHOWN = ("sh", "python"), ("toml",), ("text",)
+SLOW = "slow"
+LEFT_OUT = shutil.ignore_patterns(
+    ".git", ".venv*", ".*_cache", ".hypothesis", "out", "dist", "*.egg-info"
+)
+
+
+class Block(NamedTuple):
+    """A block of code with its language and the other words of its first line."""
+
+    language: str
+    words: tuple
+    code: str
+
+    @property
+    def is_slow(self):
+        """Whether it takes minutes."""
+        return SLOW in self.words
+
+
+def blocks_of(path):
+    """The blocks of a README file in their order."""
+    text = path.read_text(encoding="utf-8")
+    infos = [(match["info"].split(), match["code"]) for match in BLOCK.finditer(text)]
+    return [Block(words[0] if words else "", tuple(words[1:]), code) for words, code in infos]
+
+
+def checkout(folder):
+    """A copy of this checkout, with compiled kernels, in which commands run; its environment."""
+    shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
+    programs = folder / "out" / "bin"
+    programs.mkdir(parents=True)
+    for name, call in (("python", ""), ("fvcollapse", "-m fvcollapse ")):
+        program = programs / name
+        program.write_text(f'#!/bin/sh\nexec "{sys.executable}" {call}"$@"\n', encoding="utf-8")
+        program.chmod(0o755)
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
+    return kept | {
+        "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(folder),
+        "FVCOLLAPSE_CACHE": str(folder / "out" / "cache"),
+    }
+
+
+def run_blocks(blocks, folder, environment):
+    """Save or run the blocks in their order, as a reader would; the first that fails ends it.
+
+    Raises
+    ------
+    AssertionError
+        With the code, and what it printed.
+    """
+    for block in blocks:
+        if block.language in SAVED:
+            path = folder / block.words[0]
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(block.code, encoding="utf-8")
+        elif block.language in EXECUTED:
+            shell = ["bash", "-e", "-o", "pipefail", "-c"]
+            call = shell if block.language == "sh" else [sys.executable, "-c"]
+            done = subprocess.run(
+                [*call, block.code], cwd=folder, env=environment, capture_output=True, text=True
+            )
+            assert done.returncode == 0, f"{block.code}\n{done.stdout}\n{done.stderr}"
