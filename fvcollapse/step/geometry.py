@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import inner_jit, kernel_jit
-from .saddle import is_parted, parted_moments
+from .saddle import is_saddle, saddle_moments
 
 WET = 1.0e-8  # filled fraction below which a cell counts as empty; its weight is below round-off of its neighbours
 
@@ -91,8 +91,8 @@ def polygon_moments(phi_00, phi_10, phi_11, phi_01):
         return 1.0, 0.5, 0.5
     if phi_00 >= 0.0 and phi_10 >= 0.0 and phi_11 >= 0.0 and phi_01 >= 0.0:
         return 0.0, 0.0, 0.0
-    if is_parted(phi_00, phi_10, phi_11, phi_01):
-        return parted_moments(phi_00, phi_10, phi_11, phi_01)
+    if is_saddle(phi_00, phi_10, phi_11, phi_01):
+        return saddle_moments(phi_00, phi_10, phi_11, phi_01)
     phi = (phi_00, phi_10, phi_11, phi_01, phi_00)
     corner_x = (0.0, 1.0, 1.0, 0.0, 0.0)
     corner_z = (0.0, 0.0, 1.0, 1.0, 0.0)

@@ -25,7 +25,10 @@ RESTORE_EVERY = (
 )
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
-SHIFT_MOST = 0.1  # cells by which a volume correction moves the surface
+SHIFT_MOST, LAST_SHIFT = (
+    0.1,
+    0.5,
+)  # cells by which a volume correction moves the surface: the first, the second one
 MOVING = 0.01  # of the largest speed: where the swift surface alone cannot give the volume back, all that moves does
 RAMP = 0.01  # by which the second shift falls off from the back wall to the end of the domain
 VOLUME_TOLERANCE = 1.0e-12  # of the volume, at which a correction ends
@@ -451,7 +454,7 @@ def volume(level_set, aperture, packing, reach):
 def hold_volume(phi, aperture, speed, packing, target, h):
     """Correct the filled area to `target` (cells) in proportion to the speed; return the volume added, cells.
 
-    The shift is limited (`SHIFT_MOST`). Where grains without pressure fly apart, the velocity diverges and the shift
+    The shift is limited (`SHIFT_MOST` cells). Where grains without pressure fly apart, the velocity diverges and the shift
     of the swift surface does not suffice: all that moves (`MOVING`) then gives back the remainder.
 
     Parameters
@@ -473,17 +476,18 @@ def hold_volume(phi, aperture, speed, packing, target, h):
     if fastest == 0.0:
         return 0.0
     moved = phi.copy()
-    added, missing = correct_volume(phi, aperture, speed / fastest, packing, target, h)
+    shift = SHIFT_MOST * h
+    added, missing = correct_volume(phi, aperture, speed / fastest, packing, target, shift)
     if abs(missing) > VOLUME_TOLERANCE * target:
         phi[:] = moved
         mobility = np.minimum(speed / (MOVING * fastest), 1.0)
         mobility *= np.linspace(1.0, 1.0 - RAMP, phi.shape[0])[:, None]
-        added, _ = correct_volume(phi, aperture, mobility, packing, target, h)
+        added, _ = correct_volume(phi, aperture, mobility, packing, target, LAST_SHIFT * h)
     return added
 
 
 @kernel_jit()
-def correct_volume(phi, aperture, mobility, packing, target, h):
+def correct_volume(phi, aperture, mobility, packing, target, most):
     """Shift phi by q * mobility (in place) until the filled area is `target`; return added and missing, cells.
 
     Both are weighted by the packing, and so are the mass of the grains where that differs from 1.
@@ -496,20 +500,19 @@ def correct_volume(phi, aperture, mobility, packing, target, h):
         Local share of the correction, in [0, 1]: where nothing moves nothing is corrected.
     packing : (nx, nz) array
         Local density, relative to that of the target.
-    h : float
-        Cell size, m: the shift stays below `SHIFT_MOST` of it.
+    most : float
+        Largest shift, m.
     """
     reach = np.empty(packing.shape[0], np.int64)
-    rows_below(reach, phi, aperture, SHIFT_MOST * h)
+    rows_below(reach, phi, aperture, most)
     before = volume(phi, aperture, packing, reach)
     missing = target - before
     if abs(missing) <= VOLUME_TOLERANCE * target:
         return 0.0, 0.0
     original = phi.copy()
-    most = SHIFT_MOST * h
     low, high = -most, most
     q_old, gap_old = 0.0, missing
-    q = 1e-4 * h if missing > 0.0 else -1e-4 * h
+    q = 1e-3 * most if missing > 0.0 else -1e-3 * most
     gap = missing
     for trial in range(SHIFT_TRIALS):
         for i in range(phi.shape[0]):
