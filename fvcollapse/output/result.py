@@ -64,9 +64,8 @@ class Result:
             self.field_times = read_field_times(file)
             trust = read_trust(file)
         capped, count = int(self.steps["capped"].sum()), len(self.steps["capped"])
-        self.trust = trust or trust_of(
-            self.status, self.series["relative_volume"], capped, count, self.case
-        )
+        volume, corrected = self.series["relative_volume"], self.series["volume_correction"][-1]
+        self.trust = trust or trust_of(self.status, volume, corrected, capped, count, self.case)
 
     def __getattr__(self, name):
         if name in SERIES:

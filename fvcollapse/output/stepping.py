@@ -76,7 +76,8 @@ def rewind(recorder, mark):
 def trust_of_record(recorder, status, case):
     """The `Trust` that a record deserves; `status` as in `trust_of`."""
     capped = recorder.steps.get("capped", [])
-    return trust_of(status, recorder.series["relative_volume"], sum(capped), len(capped), case)
+    volume, corrected = recorder.series["relative_volume"], recorder.series["volume_correction"][-1]
+    return trust_of(status, volume, corrected, sum(capped), len(capped), case)
 
 
 def ending(error, moment):

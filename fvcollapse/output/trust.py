@@ -4,12 +4,16 @@
 |---|---|---|
 | the run did not reach its end | interrupted, or a stated limit was reached | it failed |
 | largest drift of the volume | above 0.2 % | above 1 % |
+| sum of the corrections of the volume, over the volume | above 0.15 | above 0.5 |
 | share of capped steps | above 20 % | |
 
-The volume is conserved by the equations and corrected after every step, so a drift is an error of the
-scheme. Ordinary collapses with six cells in the height or more keep it to 0.2 %; 1 % of the volume is
-as large as what a usual experiment resolves. With dilatancy the volume changes as the grains expand:
-only what lies beyond the solid fractions that the law allows counts.
+The volume is corrected after every step to that of the start, so a drift means that the correction had
+nothing to act on; 1 % of the volume is as large as what a usual experiment resolves. With dilatancy the
+volume changes as the grains expand: only what lies beyond the solid fractions that the law allows counts.
+
+The sum of the corrections says how much volume the motion of the surface made or lost on the way, and
+the correction moved elsewhere. Ordinary collapses stay below 0.1. Grains that fly apart (a tall column
+that leaves the back wall of a steep slope, where no gap can open) pass 0.3, and their shape is wrong.
 
 A capped step is one whose nonlinear sweeps stopped above the tolerance. Ordinary collapses have less
 than 4 % of them; materials of pure yield stress that come to rest have up to half, without harm. Many
@@ -22,6 +26,7 @@ import numpy as np
 
 FINE, LOOK, DO_NOT_USE = "fine", "look at it", "do not use"
 VOLUME_LOOK, VOLUME_USELESS = 0.002, 0.01  # of the volume at the start
+CORRECTED_LOOK, CORRECTED_USELESS = 0.15, 0.5  # sum of the corrections, of the volume at the start
 CAPPED_LOOK = 0.2  # of the steps
 COMPLETE, RUNNING, INTERRUPTED, STOPPED, FAILED = (
     "complete",
@@ -42,7 +47,7 @@ class Trust(NamedTuple):
         return ": ".join(part for part in (self.verdict, "; ".join(self.reasons)) if part)
 
 
-def trust_of(status, relative_volume, capped, steps, case):
+def trust_of(status, relative_volume, corrected, capped, steps, case):
     """The `Trust` that a run deserves.
 
     Parameters
@@ -51,6 +56,8 @@ def trust_of(status, relative_volume, capped, steps, case):
         Of the run: complete, running, interrupted, "stopped: why" or "failed: why".
     relative_volume : (n,) array
         V(t)/V(0) - 1.
+    corrected : float
+        Sum of the absolute corrections of the volume, over V(0).
     capped, steps : int
         Number of capped steps, and of all.
     case : Case
@@ -62,6 +69,7 @@ def trust_of(status, relative_volume, capped, steps, case):
     found = [
         judged_status(status),
         judged_volume(largest_drift(relative_volume, case)),
+        judged_corrections(corrected),
         judged_capped(capped, steps),
     ]
     found = [(verdict, reason) for verdict, reason in found if verdict != FINE]
@@ -85,6 +93,14 @@ def judged_volume(drift):
         return FINE, ""
     verdict = LOOK if drift <= VOLUME_USELESS else DO_NOT_USE
     return verdict, f"volume drifts {100.0 * drift:.3g} %"
+
+
+def judged_corrections(corrected):
+    """(verdict, reason) of the sum of the corrections of the volume."""
+    if corrected <= CORRECTED_LOOK:
+        return FINE, ""
+    verdict = LOOK if corrected <= CORRECTED_USELESS else DO_NOT_USE
+    return verdict, f"corrections of the volume sum to {100.0 * corrected:.3g} % of it"
 
 
 def judged_capped(capped, steps):

@@ -135,15 +135,18 @@ def cell_moments(level_set, aperture, i, k):
     At a gate the surface on its inner side continues straight through it, as through any wall, so
     that a column standing against it has no spurious corner there; and beyond a closed gate nothing
     is filled by the interpolation across it, or a thousandth of a cell would leak through and fall.
+    Both hold in proportion to the closed part of the face: the volume does not jump as the gate passes.
     """
     left_low, left_high = level_set[i, k], level_set[i, k + 1]
     right_low, right_high = level_set[i + 1, k], level_set[i + 1, k + 1]
-    if aperture[i + 1, k] < 1.0 and i > 0:
-        right_low = min(right_low, 2.0 * left_low - level_set[i - 1, k])
-        right_high = min(right_high, 2.0 * left_high - level_set[i - 1, k + 1])
-    if aperture[i, k] == 0.0:
-        left_low = max(left_low, min(right_low, 0.0))  # a jump where `right_low` is zero
-        left_high = max(left_high, min(right_high, 0.0))  # could leave no volume that fits
+    shut = 1.0 - aperture[i + 1, k]
+    if shut > 0.0 and i > 0:
+        right_low += shut * min(2.0 * left_low - level_set[i - 1, k] - right_low, 0.0)
+        right_high += shut * min(2.0 * left_high - level_set[i - 1, k + 1] - right_high, 0.0)
+    shut = 1.0 - aperture[i, k]
+    if shut > 0.0:
+        left_low += shut * max(min(right_low, 0.0) - left_low, 0.0)
+        left_high += shut * max(min(right_high, 0.0) - left_high, 0.0)
     return polygon_moments(left_low, right_low, right_high, left_high)
 
 

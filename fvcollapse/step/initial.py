@@ -31,14 +31,17 @@ def initial_level_set(case, grid):
     """Signed distance to the free surface at the nodes, (nx + 1, nz + 1), m, negative in the grains.
 
     The back wall and the bed are no surface: the column continues through them. On an erodible
-    layer the column begins at the surface of the layer. A node on the surface is wet (by `ON_SURFACE`):
-    were it dry, half a cell would be missing from the first volume where the corner of the column is a
-    node, until the surface moves.
+    layer the column begins at the surface of the layer. A node on the surface above grains is wet (by
+    `ON_SURFACE`): were it dry, half a cell would be missing from the first volume where the corner of the
+    column is a node, until the surface moves. A node on an upright face is dry: the front stands there.
     """
     distance = _distance(case, grid)
     distance[:, 0] = np.minimum(distance[:, 0], distance[:, 1])  # as `level_set.close_bed` does
     touch = ON_SURFACE * min(grid.dx, grid.dz)
-    return np.where(np.abs(distance) < touch, -touch, distance)
+    on_top = np.abs(distance[:, 1:]) < touch
+    on_top &= distance[:, :-1] < -touch
+    distance[:, 1:][on_top] = -touch
+    return distance
 
 
 def _distance(case, grid):

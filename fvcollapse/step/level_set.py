@@ -454,8 +454,10 @@ def volume(level_set, aperture, packing, reach):
 def hold_volume(phi, aperture, speed, packing, target, h):
     """Correct the filled area to `target` (cells) in proportion to the speed; return the volume added, cells.
 
-    The shift is limited (`SHIFT_MOST` cells). Where grains without pressure fly apart, the velocity diverges and the shift
-    of the swift surface does not suffice: all that moves (`MOVING`) then gives back the remainder.
+    The shift is limited (`SHIFT_MOST` cells). Where grains without pressure fly apart, the velocity diverges and
+    the shift of the swift surface does not suffice. All that moves (`MOVING`) then gives the volume back. Where a
+    face of the surface lies in a row of nodes, they all get wet at the same shift and the volume jumps over the
+    target. This second shift falls off along the bed (`RAMP`), so that they get wet one after the other.
 
     Parameters
     ----------
