@@ -35,8 +35,8 @@ from fvcollapse.diagnosis.report import (
     Share,
     Verdict,
 )
-from fvcollapse.diagnosis.report_words import observable_name
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.measure.quantities import observable_words
 
 FITTED = ("collapse_00deg_w10cm", "collapse_16deg_w10cm", "collapse_22deg_w10cm")
 HELD_OUT = ("collapse_22deg_w20cm",)
@@ -411,7 +411,7 @@ def example(kind="effect", probable=0.87):
                     wording="consistent with",
                     reasons=[
                         "it beats the runner-up on the held-out experiment and in 2 of 3 folds",
-                        f"its {observable_name('profiles')} gap passes the predictive check",
+                        f"its {observable_words('profiles')} gap passes the predictive check",
                     ],
                     folds=[
                         Fold(experiment=name, winner=0.7, runner_up=0.4 + 0.15 * n)

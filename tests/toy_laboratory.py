@@ -10,8 +10,9 @@ import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.effects.catalogue import with_effects
-from fvcollapse.measure.curves import FORMS, curve_text
+from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.observables import Observations
+from fvcollapse.measure.quantities import CURVES
 
 TIMES = np.linspace(0.0, 1.6, 81)
 PLACES = np.linspace(0.0, 1.4, 141)
@@ -125,7 +126,7 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
     true |= {f"effects.{name}": section for name, section in (effects or {}).items()}
     true["grid.cell_size"] = 0.004
     seen, rng = collapse(case.replace(**true), swelling), np.random.default_rng(seed)
-    for name in FORMS:
+    for name in CURVES:
         rows = getattr(seen, name).copy()
         rows = rows[(rows[:, 0] > 0.0) & (np.round(rows[:, 0] / 0.02) % 2 == 0)]
         if rows.shape[1] == 3:
@@ -137,7 +138,7 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
 
 def only_numbers(folder, *rows):
     """The experiment without its curves, and with these rows of `scalars.csv`."""
-    for name in FORMS:
+    for name in CURVES:
         (folder / f"{name}.csv").unlink()
     text = "\n".join(("name,value,sigma,kind", *rows, ""))
     (folder / "scalars.csv").write_text(text, encoding="utf-8")

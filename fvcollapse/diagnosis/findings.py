@@ -18,7 +18,7 @@ from fvcollapse.diagnosis.reduction import closing, fold_fractions, gaps_of, wit
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.separability import EQUIVALENT
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.measure.curves import FORMS
+from fvcollapse.measure.quantities import CURVES
 
 GRAINS_OFF = 3.0  # standard deviations of a mass balance from which it is told
 FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word
@@ -641,7 +641,7 @@ def default_uncertainties(experiment):
     """Measured observables whose standard deviation is a default."""
     stated, names = experiment.settings.uncertainty, []
     for name, curve in experiment.curves.items():
-        key = FORMS[name].uncertainty
+        key = CURVES[name].uncertainty
         default = experiment.standard_deviation(key)
         if getattr(stated, key) is None and np.all(curve.sigma == default):
             names.append(name)

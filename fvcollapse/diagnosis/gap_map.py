@@ -28,22 +28,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.stats import false_discovery_control, norm
 
 from fvcollapse.diagnosis.points import PHASES
+from fvcollapse.measure.quantities import QUANTITIES, direction_words
 
 THRESHOLD = 2.0  # |z| inside the validation uncertainty
 FALSE_ALARM = 0.05
 NULLS = 2000
 REACH = 0.75  # of the spacing of the places: neighbours at successive moments
-# observable: (name in words, positive gap, negative gap, unit in words, factor)
-WORDS = {
-    "front": ("front", "too far", "not far enough", "cm", 100.0),
-    "profiles": ("thickness", "too large", "too small", "mm", 1000.0),
-    "volume": ("volume", "too large", "too small", "% of the column", 100.0),
-    "interface": ("static-flowing interface", "too high", "too low", "mm", 1000.0),
-    "runout": ("runout", "too far", "not far enough", "cm", 100.0),
-    "final_height": ("final height", "too large", "too small", "mm", 1000.0),
-    "time_stop": ("stop", "too late", "too early", "s", 1.0),
-    "peak_front_velocity": ("peak velocity of the front", "too high", "too low", "m/s", 1.0),
-}
 
 
 class Region(NamedTuple):
@@ -267,14 +257,15 @@ def first_time(points, experiment):
 
 def words_of(region, block):
     """One line: what, how much, in which direction, where and when."""
-    name, more, less, unit, factor = WORDS[region.observable]
-    direction = more if region.gap > 0.0 else less
+    quantity = QUANTITIES[region.observable]
+    factor, unit = quantity.gap_shown
+    direction = direction_words(region.observable, region.gap)
     size, doubt = factor * abs(region.gap), factor * region.uncertainty
     decade = int(np.floor(np.log10(doubt)))
     digits = max(
         0, -decade + (doubt < 2.0 * 10.0**decade)
     )  # one figure of the doubt, two from 10 to 19
-    text = f"{name} {size:.{digits}f} ± {doubt:.{digits}f} {unit} {direction}"
+    text = f"{quantity.words} {size:.{digits}f} ± {doubt:.{digits}f} {unit} {direction}"
     if block.kind != "value":
         text += f" (beyond the {block.kind} bound)"
     if region.x_range:

@@ -36,8 +36,9 @@ from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.points import choose_points
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.align import align_curve
-from fvcollapse.measure.curves import FORMS, Curve
+from fvcollapse.measure.curves import Curve
 from fvcollapse.measure.experiment import Experiment
+from fvcollapse.measure.quantities import CURVES
 
 MOST_HYPOTHESES = 3
 LEAST_PROBABILITY = 0.02  # of a hypothesis that is worth separating
@@ -158,7 +159,7 @@ def candidates(reference, base):
     """The `Candidate`s around an experiment."""
     measured = tuple(reference.curves) or ("front",)
     geometry, found = base.geometry, []
-    missing = tuple(name for name in FORMS if name not in measured)
+    missing = tuple(name for name in CURVES if name not in measured)
     if missing:
         words = f"the same set-up as {reference.name}, with {' and '.join(missing)} measured too"
         found.append(Candidate(words, {}, (*measured, *missing)))
@@ -281,11 +282,10 @@ def with_readings(experiment, observables, observed, end):
     places = np.arange(0.5 * PLACE, 1.1 * float(observed.front[:, 1].max()), PLACE)
     curves = {}
     for name in observables:
-        form = FORMS[name]
-        grid = len(form.columns) == 3
+        grid = CURVES[name].is_profile
         time = np.repeat(frames, len(places)) if grid else frames
         x = np.tile(places, len(frames)) if grid else None
-        sigma = np.full(len(time), experiment.standard_deviation(form.uncertainty))
+        sigma = np.full(len(time), experiment.standard_deviation(CURVES[name].uncertainty))
         curves[name] = Curve(time, x, np.zeros(len(time)), sigma)
     read = replace(experiment, curves=curves)
     for name, curve in curves.items():

@@ -18,28 +18,14 @@ import numpy as np
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.errors import InputError
 from fvcollapse.measure.align import align, align_curve
-from fvcollapse.measure.curves import FORMS, Curve
-from fvcollapse.measure.observables import SCALAR_UNITS, front_position
+from fvcollapse.measure.curves import Curve
+from fvcollapse.measure.observables import front_position
+from fvcollapse.measure.quantities import CURVES, PROFILES, QUANTITIES, SCALAR_UNITS
 
 PHASES = ("release", "spreading", "arrest", "deposit")
 ADVANCE = (0.10, 0.80, 0.98)  # share of the advance of the front at which a phase ends
 FREE_FALLS = (1.0, 2.5, 3.5)  # the same in sqrt(height_0 / g), where no front was measured
-SCALAR_PHASES = {
-    "runout": "deposit",
-    "final_height": "deposit",
-    "time_stop": "arrest",
-    "peak_front_velocity": "spreading",
-}
-# shares of a phase at which a profile is taken: the moment t = 0 tells nothing
-MOMENTS = {
-    "profiles": ((0, 0.7), (1, 0.2), (1, 0.6), (2, 0.0), (2, 0.5), (3, 0.0), (3, 1.0)),
-    "interface": ((0, 0.7), (1, 0.1), (1, 0.4), (1, 0.7), (2, 0.0)),  # at rest it is the surface
-}
-PLACES = {"profiles": 22, "interface": 8}
-TIMES = {"front": (20, 5), "volume": (8, 2)}  # until the front stops, and after
 STEP = 0.01  # of duration and length: half the span of the differences for `Sensitivity`
-# change of a scalar per second of the clock and per metre of the origin, as in `Sensitivity`
-SCALAR_SHIFTS = {"runout": (0.0, 1.0), "time_stop": (1.0, 0.0)}
 
 
 class Block(NamedTuple):
@@ -147,8 +133,8 @@ class Points:
         return np.concatenate([self._phase_of(block) for block in self.blocks])
 
     def _phase_of(self, block):
-        if block.observable in SCALAR_PHASES:
-            return np.array([SCALAR_PHASES[block.observable]])
+        if QUANTITIES[block.observable].phase:
+            return np.array([QUANTITIES[block.observable].phase])
         # side left: the moment at which a phase ends belongs to it
         return np.array(PHASES)[np.searchsorted(self.run(block).phase_ends, block.time)]
 
@@ -175,7 +161,7 @@ class Points:
         """The experiment with its curves cut down to the points."""
         curves = {}
         for block in self.blocks:
-            if block.experiment == experiment.name and block.observable in FORMS:
+            if block.experiment == experiment.name and block.observable in CURVES:
                 own = slice(block.start, block.stop)
                 x = None if np.isnan(block.x).all() else block.x
                 curves[block.observable] = Curve(block.time, x, self.measured[own], self.sigma[own])
@@ -201,10 +187,9 @@ class Points:
                 if block.experiment != run.name:
                     continue
                 own, name = slice(block.start, block.stop), block.observable
-                clock[own], origin[own] = SCALAR_SHIFTS.get(name, (0.0, 0.0))
-                if name in FORMS:
+                clock[own], origin[own] = QUANTITIES[name].clock, QUANTITIES[name].origin
+                if name in CURVES:
                     clock[own] = -slope_of(seen, thinned, name, "time", STEP * run.duration)
-                    origin[own] = 1.0 if name == "front" else 0.0
                     if thinned.curves[name].x is not None:
                         origin[own] = -slope_of(seen, thinned, name, "x", STEP * run.length)
         return Sensitivity(clock, origin)
@@ -310,12 +295,12 @@ def chosen_curves(experiment, run):
     """(name, units, kind, Curve) of each measured curve, thinned."""
     for name, curve in experiment.curves.items():
         if curve.x is None:
-            rows = chosen_times(curve.time, run, *TIMES[name])
+            rows = chosen_times(curve.time, run, *CURVES[name].times)
         else:
-            rows = chosen_places(curve, run, MOMENTS[name], PLACES[name])
+            rows = chosen_places(curve, run, CURVES[name].moments, CURVES[name].places)
         x = None if curve.x is None else curve.x[rows]
         thinned = Curve(curve.time[rows], x, curve.value[rows], curve.sigma[rows])
-        yield name, FORMS[name].units, "value", thinned
+        yield name, CURVES[name].unit, "value", thinned
 
 
 def nearest(values, targets):
@@ -352,7 +337,7 @@ def run_of(experiment):
     geometry = experiment.settings.geometry
     front = measured_front(experiment)
     length = max([geometry.length_0, *front[:, 1]])
-    for name in ("profiles", "interface"):
+    for name in PROFILES:
         if name in experiment.curves:
             length = max(length, float(experiment.curves[name].x.max()))
     runouts = [each.value for each in experiment.scalars if each.name == "runout"]

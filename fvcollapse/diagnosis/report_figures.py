@@ -21,13 +21,11 @@ from fvcollapse.diagnosis.report_words import (
     after_model,
     hypothesis_name,
     model_name,
-    observable_name,
     percent,
     ranking,
-    shown_gap,
-    shown_value,
 )
 from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
+from fvcollapse.measure.quantities import CURVES, HEIGHTS, observable_words, shown_gap, shown_value
 
 WIDTH = 4.9  # inch
 STYLE = {"font.size": 8.5, "axes.titlesize": 8.5, "svg.fonttype": "none", "svg.hashsalt": "report"}
@@ -38,8 +36,7 @@ COVERAGE = 2.0  # combined standard uncertainties of a band
 EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 GAP_UNITS = "gap in combined standard uncertainties"
 FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
-OVERLAYS = ("front", "profiles", "interface", "volume")
-NEVER_NEGATIVE = OVERLAYS[:3]
+NEVER_NEGATIVE = {"front", *HEIGHTS}
 
 
 class Picture(NamedTuple):
@@ -78,7 +75,7 @@ def pictures(report):
 
 def drawable(report):
     """Comparisons that are curves, experiment after experiment, the front first."""
-    order = {name: n for n, name in enumerate(OVERLAYS)}
+    order = {name: n for n, name in enumerate(CURVES)}
     names = [*report.experiments, *report.held_out]
     curves = [one for one in report.details.comparisons if one.time is not None]
     return sorted(
@@ -124,7 +121,7 @@ def overlay(report, one):
     draw = draw_history if one.x is None else draw_profiles
     after = after_model(report)
     figure = draw(report, one, after)
-    what = f"{observable_name(one.observable)}, {one.experiment}"
+    what = f"{observable_words(one.observable)}, {one.experiment}"
     group = "held out" if one.experiment in report.held_out else "fitted"
     alt = f"{what}: measured, {model_name(BASELINE, report)}, {model_name(after, report)}"
     name = file_name(one.observable, one.experiment)
@@ -191,7 +188,7 @@ def draw_history(report, one, after):
     factor, units = shown_value(one.observable, one.units)
     draw_models(top, time, report, one, everything, after, factor)
     draw_measured(top, time, one, everything, factor)
-    top.set(ylabel=f"{observable_name(one.observable)} ({units or '1'})")
+    top.set(ylabel=f"{observable_words(one.observable)} ({units or '1'})")
     factor, units = shown_gap(one.observable, one.units)
     spread = COVERAGE * factor * column(one.combined)
     bottom.fill_between(time, -spread, spread, color=GREY, alpha=0.18, lw=0)
@@ -245,7 +242,7 @@ def draw_profiles(report, one, after):
         axes.set_xlabel("x from the back wall (m)")
     for axes in spare:  # where the last row has one panel, the legend fills it
         axes.set_axis_off()
-    figure.supylabel(f"{observable_name(one.observable)} ({units or '1'})", fontsize=8.5)
+    figure.supylabel(f"{observable_words(one.observable)} ({units or '1'})", fontsize=8.5)
     shared_legend(figure, panels[0], beside=spare)
     return figure
 
@@ -284,7 +281,7 @@ def gap_map(report, one):
         "simulated too low  \N{LEFTWARDS ARROW}  z = gap / combined sd  \N{RIGHTWARDS ARROW}  too high",
         fontsize=8,
     )
-    what = f"{observable_name(one.observable)}, {one.experiment}"
+    what = f"{observable_words(one.observable)}, {one.experiment}"
     group = "held out" if one.experiment in report.held_out else "fitted"
     alt = f"map over place and time of the {GAP_UNITS}: {what}"
     name = file_name("gap", one.observable, one.experiment)
@@ -505,7 +502,7 @@ def budget(report):
             label=source,
         )
         left += share
-    axes.set_yticks(range(len(names)), [observable_name(name) for name in names])
+    axes.set_yticks(range(len(names)), [observable_words(name) for name in names])
     axes.set(xlim=(0.0, 100.0), xlabel="share of the variance of the gap (%)")
     shared_legend(figure, axes)
     alt = "share of each source in the combined uncertainty of each observable"

@@ -13,6 +13,7 @@ from fvcollapse.diagnosis.report_figures import pictures
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import OutputError
 from fvcollapse.files.storage import write_atomic
+from fvcollapse.measure.quantities import observable_words, shown_gap, shown_value
 from fvcollapse.version import __version__
 
 TEMPLATE = "report.html.j2"
@@ -69,7 +70,7 @@ def render(report, chapters):
         "percent": words.percent,
         "span": words.span,
         "hypothesis": words.hypothesis_name,
-        "observable": words.observable_name,
+        "observable": observable_words,
         "meaning": words.effect_meaning,
         "listed": words.listed,
         "region": words.region_words,
@@ -141,7 +142,7 @@ def gap_rows(report):
     """(observable, rms gap, combined uncertainty, unit, ratio, points) as shown."""
     rows = []
     for name, gap in report.by_observable.items():
-        factor, unit = words.shown_gap(name, gap.units)
+        factor, unit = shown_gap(name, gap.units)
         rms, combined = (
             words.number(factor * part, 2) for part in (gap.rms_gap, gap.combined_uncertainty)
         )
@@ -171,7 +172,7 @@ def scalar_rows(report):
     for one in report.details.comparisons:
         if one.time is not None:
             continue
-        factor, unit = words.shown_value(one.observable, one.units)
+        factor, unit = shown_value(one.observable, one.units)
         sign = {
             "value": "",
             "upper": "\N{LESS-THAN OR EQUAL TO} ",
@@ -209,8 +210,8 @@ def reduction_rows(report):
     for name in names:
         parts = [group.by_observable.get(name) if group else None for group in groups]
         units = next(part.units for part in parts if part)
-        shown = words.shown_gap(name, units)
-        rows.append((words.observable_name(name), *(reduction_cell(part, shown) for part in parts)))
+        shown = shown_gap(name, units)
+        rows.append((observable_words(name), *(reduction_cell(part, shown) for part in parts)))
     return rows
 
 

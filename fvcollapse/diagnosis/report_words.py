@@ -6,33 +6,21 @@ from fvcollapse.case.case import Effects
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.measure.quantities import (
+    direction_words,
+    observable_words,
+    plain_unit,
+    shown_gap,
+)
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
-OBSERVABLES = {
-    "front": "front position",
-    "profiles": "thickness",
-    "interface": "static\N{EN DASH}flowing interface",
-    "volume": "relative volume",
-}
-# what is shown: (factor from SI, unit) of the value and of a gap
-SHOWN = {
-    "front": ((1.0, "m"), (100.0, "cm")),
-    "profiles": ((100.0, "cm"), (100.0, "cm")),
-    "interface": ((100.0, "cm"), (100.0, "cm")),
-    "volume": ((100.0, "%"), (100.0, "%")),
-}
 REST = {NONE: "no missing effect", UNKNOWN: "a cause outside the catalogue"}
 LARGEST_REGIONS = 2  # named in the answer
 CLOSE_SECOND = 0.05  # probability from which another hypothesis is named beside the first
 
 
 # -- names ---------------------------------------------------------------------------------------
-
-
-def observable_name(observable):
-    """An observable in words."""
-    return OBSERVABLES.get(observable, observable.replace("_", " "))
 
 
 def hypothesis_name(name):
@@ -133,22 +121,7 @@ def span(interval, show=number):
 
 def with_unit(value, units, digits=3):
     """A number with its unit; "1" and "-" are none."""
-    return f"{number(value, digits)} {unit(units)}".rstrip()
-
-
-def unit(units):
-    """A unit as printed: empty where there is none."""
-    return "" if units in ("1", "-") else units
-
-
-def shown_gap(observable, units):
-    """(factor from SI, unit) in which a gap of an observable is shown."""
-    return SHOWN[observable][1] if observable in SHOWN else (1.0, unit(units))
-
-
-def shown_value(observable, units):
-    """(factor from SI, unit) in which an observable is shown."""
-    return SHOWN[observable][0] if observable in SHOWN else (1.0, unit(units))
+    return f"{number(value, digits)} {plain_unit(units)}".rstrip()
 
 
 def listed(words, last="and"):
@@ -167,10 +140,8 @@ def region_words(region):
     factor, shown = shown_gap(region.observable, region.units)
     spread = f" \N{PLUS-MINUS SIGN} {number(factor * region.gap_sd, 2)}" if region.gap_sd else ""
     size = f"{number(factor * abs(region.gap), 2)}{spread} {shown}".rstrip()
-    above = "too far" if region.observable == "front" else "too high"
-    below = "too short" if region.observable == "front" else "too low"
-    side = above if region.gap > 0.0 else below
-    text = f"simulated {observable_name(region.observable)} {size} {side}"
+    side = direction_words(region.observable, region.gap)
+    text = f"simulated {observable_words(region.observable)} {size} {side}"
     if region.t_range is not None:
         text += f" from {span(region.t_range, hundredths)} s"
     if region.x_range is not None:
@@ -322,7 +293,7 @@ def expected_gaps(report):
     parts = []
     for name, size in report.details.expected.items():
         factor, shown = shown_gap(name, report.by_observable[name].units)
-        parts.append(f"{observable_name(name)} {number(factor * size, 2)} {shown}".rstrip())
+        parts.append(f"{observable_words(name)} {number(factor * size, 2)} {shown}".rstrip())
     return ", ".join(parts)
 
 

@@ -43,7 +43,7 @@ def test_a_planted_gap_is_found_where_it_is_and_told_in_words():
     assert region.uncertainty == pytest.approx(0.01 / np.sqrt(late.sum()))
     assert region.significance == pytest.approx(region.gap / region.uncertainty)
     assert region.p_value <= 0.002
-    words = "front 8.0 ± 0.4 cm too far from 0.55 s on; nothing significant before 0.55 s"
+    words = "front position 8.0 ± 0.4 cm too far from 0.55 s on; nothing significant before 0.55 s"
     assert region.text == words
     assert found.lines == (f"r1: {words}",)
     np.testing.assert_array_equal(found.discoveries, late)

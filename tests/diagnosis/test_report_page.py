@@ -10,10 +10,15 @@ from msgspec.structs import replace
 from report_example import EFFECTS, FITTED, HELD_OUT, example
 
 from fvcollapse.diagnosis import report_words as words
+from fvcollapse.diagnosis.gap_map import Region as MapRegion
+from fvcollapse.diagnosis.gap_map import words_of
 from fvcollapse.diagnosis.oddities import Oddity
+from fvcollapse.diagnosis.points import Block
 from fvcollapse.diagnosis.report import (
     BASELINE,
     WINNER,
+    Closed,
+    ObservableGap,
     Region,
     read_report,
     to_json,
@@ -22,6 +27,7 @@ from fvcollapse.diagnosis.report import (
 from fvcollapse.diagnosis.report_figures import cell, column, drawable, pictures
 from fvcollapse.diagnosis.report_page import write_page
 from fvcollapse.errors import OutputError
+from fvcollapse.measure.quantities import QUANTITIES
 
 CHAPTERS = ("compared", "overlays", "where", "which", "alike", "far", "next", "limits", "cost")
 VOID = {"meta", "br", "img", "link", "input", "hr"}
@@ -235,6 +241,42 @@ def test_evidence_names_every_hypothesis(drawn, report):
     assert words.percent(report.verdict.probability[EFFECTS[0]]) in text
 
 
+def test_a_page_shows_a_gap_in_one_unit(tmp_path):
+    """In the regions, in the table by observable and in that of the reduction."""
+    report = small(experiments=(FITTED[0],), observables=())
+    gaps = {name: 0.031 + 0.001 * n for n, name in enumerate(QUANTITIES)}
+    regions, sizes, closed = [], {}, {}
+    for name, gap in gaps.items():
+        unit = QUANTITIES[name].unit
+        regions.append(Region(FITTED[0], name, (0.2, 0.4), None, gap, unit, 5.0))
+        sizes[name] = ObservableGap(gap, gap, 1.0, unit, 9)
+        closed[name] = Closed(gap, gap, 0.0, None, unit)
+    fitted = replace(report.reduction.fitted, by_observable=closed)
+    reduction = replace(report.reduction, fitted=fitted, held_out=None)
+    page = written(
+        replace(report, where=regions, by_observable=sizes, reduction=reduction), tmp_path
+    )
+    for name, gap in gaps.items():
+        factor, unit = QUANTITIES[name].gap_shown
+        number = re.escape(words.number(factor * gap, 2))
+        units = re.findall(
+            rf"(?<![\d.]){number} (% of the column|%|[cm]?m|s|m/s)(?![\w/])", page.text
+        )
+        assert len(units) >= 5  # in the list of regions, and twice in both tables
+        assert set(units) == {unit}
+
+
+def test_the_words_of_the_map_are_in_the_unit_of_the_tables():
+    time = np.array([0.2, 0.3, 0.9])
+    for name, quantity in QUANTITIES.items():
+        block = Block("r", name, quantity.unit, time, time * np.nan, "value", 0, 3)
+        gap = MapRegion("r", name, quantity.unit, (0.2, 0.3), None, 0.5, 0.1, 5.0, 0.01, time, "")
+        size = f"{0.5 * quantity.gap_shown.factor:.{2 if quantity.gap_shown.factor == 1.0 else 0}f}"
+        text = words_of(gap, block)
+        assert text.startswith(f"{quantity.words} {size} ")
+        assert f" {quantity.gap_shown.unit} {quantity.too_large} from" in text
+
+
 def test_figures_are_the_same_each_time(drawn, folder):
     report = read_report(folder)
     one = [one for one in report.details.comparisons if one.experiment == FITTED[2]]
@@ -302,7 +344,7 @@ def test_region_in_words():
         "simulated front position 8 ± 1.5 cm too far from 0.60 to 1.40 s"
     )
     low = Region("a", "profiles", None, (0.1, 0.3), -0.004, "m", 3.0)
-    assert words.region_words(low) == "simulated thickness 0.4 cm too low, at x = 0.10 to 0.30 m"
+    assert words.region_words(low) == "simulated thickness 4 mm too small, at x = 0.10 to 0.30 m"
 
 
 def test_every_effect_of_the_catalogue_has_a_meaning():
