@@ -4,11 +4,14 @@ The front advances as 1 - exp(-(t/T)^2); reach, duration and shape of the pile f
 with its effects, so that every effect has a signature of its own and calibrated parameters another.
 """
 
+from dataclasses import dataclass, field
+from functools import cached_property
 from math import cos, inf, radians, sqrt, tan
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.observables import Observations
@@ -87,7 +90,7 @@ def collapse(case, swelling=0.0):
 
 
 class ToyRunner:
-    """In the place of `effect_library.Runner`; counts what was asked for."""
+    """In the place of `runner.Runner`; counts what was asked for."""
 
     def __init__(self, *_, **__):
         self.asked, self.computed = set(), set()
@@ -97,6 +100,17 @@ class ToyRunner:
             self.asked.add(case.to_toml())
         self.computed = set(self.asked)
         return {label: collapse(case) for label, (_, case) in wanted.items()}, {}
+
+
+@dataclass(frozen=True)
+class PlannedQuestion(Question):
+    """A question whose cases are given, {name: Case}."""
+
+    planned: dict = field(default_factory=dict)
+
+    @cached_property
+    def cases(self):
+        return self.planned
 
 
 def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **changes):
