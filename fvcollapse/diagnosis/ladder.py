@@ -141,15 +141,18 @@ def fold_runs(problem, names, folds):
         {label: (experiment, case)}, {label: CaseError}.
     """
     points, wanted, refused = problem.library.points, {}, {}
-    for one in folds:
-        rest = np.ones(len(points), bool)
-        rest[points.of(one)] = False
+    for experiment in folds:
+        others = np.ones(len(points), bool)
+        others[points.of(experiment)] = False
         for model, name in names.items():
             if model != BASELINE:
-                fit = problem.fit(name, rest)
-                label = without(model, one)
+                fit = problem.fit(name, others)
+                label = without(model, experiment)
                 try:
-                    wanted[label] = one, problem.case(fit, one, problem.library.cases[one.name])
+                    wanted[label] = (
+                        experiment,
+                        problem.case(fit, experiment, problem.library.cases[experiment.name]),
+                    )
                 except CaseError as error:
                     refused[label] = error
     return wanted, refused
@@ -176,12 +179,14 @@ def simulated_by(reading, models, failures):
 def left_out_values(reading, folds, names):
     """{experiment: {model: values on its points}} of the models calibrated without it."""
     return {
-        one.name: {
-            model: reading.parts[one.name].simulated({one.name: reading.seen[without(model, one)]})
+        experiment.name: {
+            model: reading.parts[experiment.name].simulated(
+                {experiment.name: reading.seen[without(model, experiment)]}
+            )
             for model in names
-            if without(model, one) in reading.seen
+            if without(model, experiment) in reading.seen
         }
-        for one in folds
+        for experiment in folds
     }
 
 
@@ -200,19 +205,19 @@ def held_out_group(question, seen, failures, fits):
 
 def fold_fractions(ladder):
     """{(experiment, held out): {model: fraction closed}} of all experiments that took no part."""
-    found = {}
+    fractions = {}
     for name, values in ladder.left_out.items():
-        own = ladder.fitted.points.of(name)
-        found[name, False] = {}
-        for model, each in values.items():
+        rows = ladder.fitted.points.of(name)
+        fractions[name, False] = {}
+        for model, left_out in values.items():
             simulated = {model: ladder.fitted.simulated[BASELINE].copy()}
-            simulated[model][own] = each
+            simulated[model][rows] = left_out
             group = with_simulated(ladder.fitted, simulated)
-            found[name, False][model] = one_fraction(group, own, model)
+            fractions[name, False][model] = one_fraction(group, rows, model)
     if ladder.held_out is not None:
         group = ladder.held_out
         for name in group.points.names:
-            own = group.points.of(name)
+            rows = group.points.of(name)
             models = [model for model in group.simulated if model != BASELINE]
-            found[name, True] = {model: one_fraction(group, own, model) for model in models}
-    return found
+            fractions[name, True] = {model: one_fraction(group, rows, model) for model in models}
+    return fractions

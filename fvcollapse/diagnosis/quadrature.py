@@ -72,12 +72,12 @@ def integrate(seen, closure, limits, temperature=1.0):
     log_share, unit = 0.0, unit_nodes(d)
     for _ in range(ROUNDS):
         nodes = low + unit * (high - low)
-        found = Posterior.of(
+        posterior = Posterior.of(
             nodes, likelihood(seen, closure, nodes, temperature), np.full(len(nodes), log_share)
         )
-        if found.effective() >= LEAST_SHARE * len(nodes):
-            return found
-        weights = found.log_weights()
+        if posterior.effective() >= LEAST_SHARE * len(nodes):
+            return posterior
+        weights = posterior.log_weights()
         inside = nodes[weights > weights.max() - NEGLIGIBLE]
         margin = 2.0 * (high - low) / len(unit) ** (1.0 / d)
         new_low = np.maximum(low, inside.min(axis=0) - margin)
@@ -87,22 +87,22 @@ def integrate(seen, closure, limits, temperature=1.0):
             break
         log_share += shrunk
         low, high = new_low, new_high
-    return found if d == 1 else along_ridge(seen, closure, limits, found, temperature)
+    return posterior if d == 1 else along_ridge(seen, closure, limits, posterior, temperature)
 
 
-def along_ridge(seen, closure, limits, found, temperature):
+def along_ridge(seen, closure, limits, posterior, temperature):
     """The `Posterior` by importance sampling: nodes of a t distribution that is fitted to the last nodes.
 
     One node in ten is spread over the whole prior, so that no weight is large without reason.
     """
-    d = found.nodes.shape[1]
+    d = posterior.nodes.shape[1]
     unit = qmc.Sobol(d + 1, seed=0).random(NODES_SOBOL)
     spread = np.sqrt(RIDGE_TAILS / chi2.ppf(unit[:, -1], RIDGE_TAILS))
     steps = norm.ppf(unit[:, :-1]) * spread[:, None]
     everywhere = np.arange(len(unit)) % 10 == 0
     log_prior = -d * np.log(limits[1] - limits[0])
     for _ in range(ROUNDS):
-        centre, covariance = tempered_moments(found, 10 * d)
+        centre, covariance = tempered_moments(posterior, 10 * d)
         nodes = centre + steps @ cholesky(covariance, lower=True).T
         nodes[everywhere] = limits[0] + unit[everywhere, :-1] * (limits[1] - limits[0])
         inside = ((nodes > limits[0]) & (nodes < limits[1])).all(axis=1)
@@ -110,23 +110,23 @@ def along_ridge(seen, closure, limits, found, temperature):
         density = np.logaddexp(np.log(0.9) + fitted, np.log(0.1) + log_prior)
         log_likelihood = np.full((len(nodes), len(DISCREPANCIES)), -np.inf)
         log_likelihood[inside] = likelihood(seen, closure, nodes[inside], temperature)
-        found = Posterior.of(nodes, log_likelihood, log_prior - density)
-        if found.effective() >= LEAST_SHARE * len(nodes):
+        posterior = Posterior.of(nodes, log_likelihood, log_prior - density)
+        if posterior.effective() >= LEAST_SHARE * len(nodes):
             break
-    return found
+    return posterior
 
 
-def tempered_moments(found, count):
+def tempered_moments(posterior, count):
     """Mean (d,) and covariance (d, d) of the nodes, weights flattened until `count` of them are effective."""
-    logs = found.log_weights()
+    logs = posterior.log_weights()
     power = 1.0
     while power > 1.0e-4:
         weights = np.exp(power * logs - logsumexp(power * logs))
         if 1.0 / (weights**2).sum() >= count:
             break
         power *= 0.7
-    centre = weights @ found.nodes
-    apart = found.nodes - centre
+    centre = weights @ posterior.nodes
+    apart = posterior.nodes - centre
     covariance = (weights[:, None] * apart).T @ apart
     return centre, covariance + 1.0e-10 * np.eye(len(centre))
 

@@ -28,11 +28,11 @@ from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_
 from fvcollapse.diagnosis.verdict_features import TEMPERATURE, balance_logit, class_of
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
-KEPT = 0.10  # conformal p-value from which a hypothesis is left open
-NONE_KEPT = 0.05  # and from which "none" is not given up
+RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
+NONE_RETAINED = 0.05  # and from which "none" is not given up
 CAP = 0.9  # largest probability without a model
 CHECK_FAILS = 0.05  # p-value of the predictive check below which a hypothesis fails it
-CLEAR = 10.0  # odds against none from which a name is told although the check is passed
+CLEAR = 10.0  # odds against none from which an effect is named although the check is passed
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 
 
@@ -92,15 +92,17 @@ def verdict(evidence, model=None, separability=None, known=None):
         probability = in_order(with_new(judged, every, new, CAP))
         uncapped = in_order(with_new(judged, every, new, 1.0))
         clear = is_clear(next(iter(uncapped)), uncapped)
-    likely = smallest_set(probability, 1.0 - KEPT)
-    kept = tuple(
+    likely = smallest_set(probability, 1.0 - RETAINED)
+    retained = tuple(
         name
         for name in probability
         if (name in likely if name in new else is_open(name, judged, conformal))
     )
-    if NONE in kept and not (clear and kept[0] in new):
-        return finished(NONE, probability, kept, conformal, separability)
-    return finished(kept[0] if kept else UNKNOWN, probability, kept, conformal, separability)
+    if NONE in retained and not (clear and retained[0] in new):
+        return finished(NONE, probability, retained, conformal, separability)
+    return finished(
+        retained[0] if retained else UNKNOWN, probability, retained, conformal, separability
+    )
 
 
 def is_clear(name, probability):
@@ -114,11 +116,11 @@ def tempered(evidence, separability):
     A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
     """
     probability = in_order(capped(tempered_shares(evidence), CAP))
-    kept = smallest_set(probability, 1.0 - KEPT)
-    passes = evidence.hypotheses[NONE].p_value >= NONE_KEPT
-    clear = is_clear(kept[0], probability)
-    best = NONE if passes and NONE in kept and not clear else kept[0]
-    return finished(best, probability, kept, {}, separability)
+    retained = smallest_set(probability, 1.0 - RETAINED)
+    passes = evidence.hypotheses[NONE].p_value >= NONE_RETAINED
+    clear = is_clear(retained[0], probability)
+    best = NONE if passes and NONE in retained and not clear else retained[0]
+    return finished(best, probability, retained, {}, separability)
 
 
 def tempered_shares(evidence):
@@ -127,15 +129,15 @@ def tempered_shares(evidence):
     The prior is that of a model. Two effects together count if the best single one fails its check:
     nothing has taught here how much a second effect adds by chance.
     """
-    found = evidence.hypotheses
-    single = [name for name in found if name not in (NONE, UNKNOWN) and "+" not in name]
-    best = max(single, key=lambda name: found[name].log_evidence, default=NONE)
-    fails = found[best].p_value < CHECK_FAILS
-    names = tuple(name for name in found if fails or "+" not in name)
+    hypotheses = evidence.hypotheses
+    single = [name for name in hypotheses if name not in (NONE, UNKNOWN) and "+" not in name]
+    best = max(single, key=lambda name: hypotheses[name].log_evidence, default=NONE)
+    fails = hypotheses[best].p_value < CHECK_FAILS
+    names = tuple(name for name in hypotheses if fails or "+" not in name)
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
     prior = class_prior(classes)
     pairs = sum("+" in name for name in names)
-    logs = [found[name].log_evidence / TEMPERATURE for name in names]
+    logs = [hypotheses[name].log_evidence / TEMPERATURE for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     logs += [balance_logit(evidence, name) for name in names]
     return dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
@@ -144,17 +146,19 @@ def tempered_shares(evidence):
 def is_open(name, probability, conformal):
     """Whether a hypothesis is left open; of several pairs only the most probable can be."""
     if name == NONE:
-        return conformal[name] >= NONE_KEPT
-    first = next((each for each in probability if "+" in each), None)
-    return conformal[name] >= KEPT and ("+" not in name or name == first)
+        return conformal[name] >= NONE_RETAINED
+    first = next((other for other in probability if "+" in other), None)
+    return conformal[name] >= RETAINED and ("+" not in name or name == first)
 
 
 def named(evidence, shares):
     """{hypothesis: probability}: that of two effects is shared among the pairs that were opened."""
     probability = {name: share for name, share in shares.items() if name != SEVERAL}
-    pairs = {name: each for name, each in evidence.hypotheses.items() if "+" in name}
+    pairs = {name: hypothesis for name, hypothesis in evidence.hypotheses.items() if "+" in name}
     if SEVERAL in shares:
-        logs = np.array([each.log_evidence for each in pairs.values()]) / PAIR_TEMPERATURE
+        logs = (
+            np.array([hypothesis.log_evidence for hypothesis in pairs.values()]) / PAIR_TEMPERATURE
+        )
         logs += [balance_logit(evidence, name) for name in pairs]
         parts = shares[SEVERAL] * softmax(logs)
         probability |= dict(zip(pairs, parts.tolist(), strict=True))
@@ -166,30 +170,32 @@ def capped(shares, cap):
     name = max(shares, key=shares.get)
     if shares[name] <= cap or len(shares) == 1:
         return shares
-    rest = sum(
-        share for each, share in shares.items() if each != name
+    remainder = sum(
+        share for other, share in shares.items() if other != name
     )  # may be far below round-off of 1
     others = len(shares) - 1
     return {
-        each: cap if each == name else (1.0 - cap) * (share / rest if rest > 0.0 else 1.0 / others)
-        for each, share in shares.items()
+        other: cap
+        if other == name
+        else (1.0 - cap) * (share / remainder if remainder > 0.0 else 1.0 / others)
+        for other, share in shares.items()
     }
 
 
 def in_order(shares):
     """The most probable first, summing to one."""
     total = sum(shares.values())
-    return {name: shares[name] / total for name in sorted(shares, key=lambda each: -shares[each])}
+    return {name: shares[name] / total for name in sorted(shares, key=lambda other: -shares[other])}
 
 
-def finished(best, probability, kept, conformal, separability):
+def finished(best, probability, retained, conformal, separability):
     """The `Verdict` for a hypothesis."""
     effects = effects_of(best)
     kind = best if not effects else (SEVERAL if len(effects) > 1 else EFFECT)
-    open_effects = tuple(n for n in kept if n not in (NONE, UNKNOWN) and "+" not in n)
+    open_effects = tuple(n for n in retained if n not in (NONE, UNKNOWN) and "+" not in n)
     groups = list(separability.classes) if separability is not None else []
     if len(open_effects) > 1 and not any(set(open_effects) <= set(group) for group in groups):
         groups = [group for group in groups if not set(group) <= set(open_effects)]
         groups.insert(0, open_effects)
     groups = tuple(tuple(group) for group in groups)
-    return Verdict(kind, effects, groups, probability, kept, conformal)
+    return Verdict(kind, effects, groups, probability, retained, conformal)

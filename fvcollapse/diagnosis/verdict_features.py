@@ -38,22 +38,24 @@ def features(evidence, classes):
     evidence : Evidence
     classes : sequence of str
     """
-    found = evidence.hypotheses
-    single = {name: each for name, each in found.items() if "+" not in name}
-    pairs = [each for name, each in found.items() if "+" in name]
-    own = {name: each for name, each in single.items() if name not in (NONE, UNKNOWN)}
-    top = max(each.log_evidence for each in single.values())
-    best = max((own or single).values(), key=lambda each: each.log_evidence)
+    hypotheses = evidence.hypotheses
+    single = {name: hypothesis for name, hypothesis in hypotheses.items() if "+" not in name}
+    pairs = [hypothesis for name, hypothesis in hypotheses.items() if "+" in name]
+    effects = {
+        name: hypothesis for name, hypothesis in single.items() if name not in (NONE, UNKNOWN)
+    }
+    top = max(hypothesis.log_evidence for hypothesis in single.values())
+    best = max((effects or single).values(), key=lambda hypothesis: hypothesis.log_evidence)
     judged = dict(single)
     if pairs:
-        judged[SEVERAL] = max(pairs, key=lambda each: each.log_evidence)
+        judged[SEVERAL] = max(pairs, key=lambda hypothesis: hypothesis.log_evidence)
     rows = np.full((len(classes), len(FEATURES)), np.nan)
     for row, name in zip(rows, classes, strict=True):
         if name in judged:
             behind = top - judged[name].log_evidence
             near = float(np.clip(behind, -NEAR, NEAR))
             row[:] = (signed_log(behind), near, *shape_of(judged[name]))
-    none, unknown = found[NONE], found[UNKNOWN]
+    none, unknown = hypotheses[NONE], hypotheses[UNKNOWN]
     best_sigma, best_outside = shape_of(best)
     none_sigma, none_outside = shape_of(none)
     gain = judged[SEVERAL].log_evidence - top if pairs else 0.0
@@ -94,15 +96,15 @@ def known_logits(evidence, classes):
     something unknown is ahead of all others, by how much: tempered, for no case of the catalogue among
     159 of a sealed suite was so, and 23 of 41 others.
     """
-    found = np.array([balance_logit(evidence, name) for name in classes])
+    odds = np.array([balance_logit(evidence, name) for name in classes])
     if SEVERAL in classes and (pairs := [name for name in evidence.hypotheses if "+" in name]):
         logits = [balance_logit(evidence, name) for name in pairs]
-        found[classes.index(SEVERAL)] = logsumexp(logits) - np.log(len(pairs))
+        odds[classes.index(SEVERAL)] = logsumexp(logits) - np.log(len(pairs))
     if UNKNOWN in classes:
         logs = evidence.log_evidence()
         ahead = logs[UNKNOWN] - max(value for name, value in logs.items() if name != UNKNOWN)
-        found[classes.index(UNKNOWN)] += max(ahead, 0.0) / TEMPERATURE
-    return found
+        odds[classes.index(UNKNOWN)] += max(ahead, 0.0) / TEMPERATURE
+    return odds
 
 
 def balance_logit(evidence, name):

@@ -104,10 +104,10 @@ class VerdictModel:
 
     def probabilities(self, evidence):
         """{class: probability} of the classes that were compared."""
-        own, case = features(evidence, self.classes)
-        compared = ~np.isnan(own[:, 0])
+        rows, case = features(evidence, self.classes)
+        compared = ~np.isnan(rows[:, 0])
         table = (
-            standardised(own, self.mean, self.scale),
+            standardised(rows, self.mean, self.scale),
             standardised(case, self.case_mean, self.case_scale),
         )
         offset = known_logits(evidence, self.classes)
@@ -115,29 +115,29 @@ class VerdictModel:
             logits(*table, offset, compared, (self.slopes, self.case_slopes, self.intercept))
         )
         pairs = zip(self.classes, shares.tolist(), compared, strict=True)
-        return {name: share for name, share, own in pairs if own}
+        return {name: share for name, share, rows in pairs if rows}
 
     def conformal(self, probabilities):
         """{class: conformal p-value}: share of the cases whose true cause was as improbable, or more so.
 
         Classes count as their prior; "none" is judged among the cases of none.
         """
-        found, prior = {}, class_prior(self.classes)
+        p_values, prior = {}, class_prior(self.classes)
         count = sum(len(scores) for scores in self.calibration.values())
         for name, probability in probabilities.items():
             stranger = {
-                each: np.count_nonzero(scores >= 1.0 - probability)
-                for each, scores in self.calibration.items()
+                cause: np.count_nonzero(scores >= 1.0 - probability)
+                for cause, scores in self.calibration.items()
             }
             if name == NONE:
-                found[name] = (1.0 + stranger[name]) / (len(self.calibration[name]) + 1.0)
+                p_values[name] = (1.0 + stranger[name]) / (len(self.calibration[name]) + 1.0)
                 continue
             share = sum(
-                prior[each] * number / len(self.calibration[each])
-                for each, number in stranger.items()
+                prior[cause] * number / len(self.calibration[cause])
+                for cause, number in stranger.items()
             )
-            found[name] = float((1.0 + count * share) / (count + 1.0))
-        return found
+            p_values[name] = float((1.0 + count * share) / (count + 1.0))
+        return p_values
 
     @property
     def cap(self):
@@ -177,8 +177,8 @@ def class_prior(classes):
     """{class: prior probability}."""
     given = {name: share for name, share in PRIOR.items() if name in classes}
     single = [name for name in classes if name not in given]
-    rest = (1.0 - sum(given.values())) / max(len(single), 1)
-    prior = np.array([given.get(name, rest) for name in classes])
+    others = (1.0 - sum(given.values())) / max(len(single), 1)
+    prior = np.array([given.get(name, others) for name in classes])
     return dict(zip(classes, (prior / prior.sum()).tolist(), strict=True))
 
 
@@ -211,14 +211,14 @@ def from_json(text, source):
     try:
         content = json.loads(text)
         stored = content.pop("hash")
-        found = content["format"], content["format_version"]
-        if found != (FORMAT, FORMAT_VERSION) or stored != digest(content):
+        form = content["format"], content["format_version"]
+        if form != (FORMAT, FORMAT_VERSION) or stored != digest(content):
             raise InputError(source, "file", "another format, or a hash that does not fit", allowed)
         return VerdictModel(
             effects=tuple(content["effects"]),
             classes=tuple(content["classes"]),
             **{name: np.array(content[name]) for name in ARRAYS},
-            calibration={name: np.array(each) for name, each in content["calibration"].items()},
+            calibration={name: np.array(scores) for name, scores in content["calibration"].items()},
             solver=content["solver"],
             about=content["about"],
         )

@@ -32,8 +32,8 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
     held = ladder.held_out.points.experiments if ladder.held_out else ()
     upcoming = [next_experiment(choice) for choice in choices]
     return form.Report(
-        experiments=[one.name for one in analysis.experiments],
-        held_out=[one.name for one in held],
+        experiments=[experiment.name for experiment in analysis.experiments],
+        held_out=[experiment.name for experiment in held],
         baseline_case=analysis.question.baseline.to_toml(),
         where=regions_of(analysis),
         by_observable=levels_of(analysis),
@@ -50,7 +50,9 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
         cost=cost,
         details=form.Details(
             expected=expected(analysis),
-            set_ups={one.name: set_up(one) for one in (*analysis.experiments, *held)},
+            set_ups={
+                experiment.name: set_up(experiment) for experiment in (*analysis.experiments, *held)
+            },
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
             budget=budget(analysis),
@@ -67,8 +69,8 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
 
 def regions_of(analysis):
     """Significant regions of the gap."""
-    found = analysis.gap_map
-    lines = region_lines(analysis.points, found.regions)
+    gap_map = analysis.gap_map
+    lines = region_lines(analysis.points, gap_map.regions)
     return [
         form.Region(
             experiment=region.experiment,
@@ -77,12 +79,12 @@ def regions_of(analysis):
             x_range=region.x_range,
             gap=region.gap,
             units=region.units,
-            significance=float(np.abs(found.z[region.points]).max()),
+            significance=float(np.abs(gap_map.z[region.points]).max()),
             gap_sd=region.uncertainty,
             p_value=region.p_value,
             words=line,
         )
-        for region, line in zip(found.regions, lines, strict=True)
+        for region, line in zip(gap_map.regions, lines, strict=True)
     ]
 
 
@@ -90,15 +92,15 @@ def levels_of(analysis):
     """Size of the gap of every observable."""
     observable = analysis.points.observable
     return {
-        each.observable: form.ObservableGap(
-            rms_gap=each.rms,
-            combined_uncertainty=each.combined,
-            ratio=each.ratio,
-            units=each.units,
-            points=int(np.count_nonzero(observable == each.observable)),
+        level.observable: form.ObservableGap(
+            rms_gap=level.rms,
+            combined_uncertainty=level.combined,
+            ratio=level.ratio,
+            units=level.units,
+            points=int(np.count_nonzero(observable == level.observable)),
         )
-        for each in analysis.gap_map.by_observable
-        if not each.experiment
+        for level in analysis.gap_map.by_observable
+        if not level.experiment
     }
 
 
@@ -130,14 +132,14 @@ def comparisons(analysis, ladder):
     """Every observable of every experiment with all models."""
     combined = np.sqrt(np.diag(analysis.covariance))
     region = np.full(len(analysis.points), -1)
-    for number, each in enumerate(analysis.gap_map.regions):
-        region[each.points] = number
-    found = group_comparisons(ladder.fitted, combined, region, analysis.gap_map.z)
+    for number, significant in enumerate(analysis.gap_map.regions):
+        region[significant.points] = number
+    pairs = group_comparisons(ladder.fitted, combined, region, analysis.gap_map.z)
     if ladder.held_out is not None:
         group = ladder.held_out
         nowhere = np.full(len(group.points), -1)
-        found += group_comparisons(group, np.sqrt(np.diag(group.covariance)), nowhere)
-    return found
+        pairs += group_comparisons(group, np.sqrt(np.diag(group.covariance)), nowhere)
+    return pairs
 
 
 def group_comparisons(group, combined, region, baseline=None):
@@ -153,31 +155,31 @@ def group_comparisons(group, combined, region, baseline=None):
     baseline : (n,) array, optional
         z of the baseline, as the map of the gap has it.
     """
-    points, found = group.points, []
+    points, pairs = group.points, []
     phase = points.phase
     z = {model: gaps_of(group, model) / combined for model in group.simulated}
     if baseline is not None:
         z[BASELINE] = baseline
     for block in points.blocks:
-        own = slice(block.start, block.stop)
-        found.append(
+        rows = slice(block.start, block.stop)
+        pairs.append(
             form.Comparison(
                 experiment=block.experiment,
                 observable=block.observable,
                 units=block.units,
                 time=None if np.isnan(block.time).all() else block.time,
                 x=None if np.isnan(block.x).all() else block.x,
-                measured=points.measured[own],
-                sigma=points.sigma[own],
-                combined=combined[own],
-                simulated={model: values[own] for model, values in group.simulated.items()},
-                z={model: values[own] for model, values in z.items()},
+                measured=points.measured[rows],
+                sigma=points.sigma[rows],
+                combined=combined[rows],
+                simulated={model: values[rows] for model, values in group.simulated.items()},
+                z={model: values[rows] for model, values in z.items()},
                 kind=block.kind,
-                region=[int(n) if n >= 0 else None for n in region[own]],
-                phase=phase[own].tolist(),
+                region=[int(n) if n >= 0 else None for n in region[rows]],
+                phase=phase[rows].tolist(),
             )
         )
-    return found
+    return pairs
 
 
 def budget(analysis):
@@ -193,8 +195,8 @@ def budget(analysis):
         sources = {
             "measurement and grid": np.diag(analysis.measurement + analysis.numerical),
         }
-        rest = np.diag(analysis.covariance) - sources["measurement and grid"]
-        sources["parameters, set-up and discrepancy, after the controls"] = rest
+        conditioned = np.diag(analysis.covariance) - sources["measurement and grid"]
+        sources["parameters, set-up and discrepancy, after the controls"] = conditioned
     observable = points.observable
     return {
         str(name): {

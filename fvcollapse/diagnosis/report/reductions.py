@@ -17,8 +17,14 @@ def reductions(ladder, seed):
     if WINNER not in ladder.fitted.simulated:
         return None
     folds = fold_fractions(ladder)
-    left_out = [own[WINNER] for (_, held), own in folds.items() if WINNER in own and not held]
-    held = [own[WINNER] for (_, held), own in folds.items() if WINNER in own and held]
+    left_out = [
+        fractions[WINNER]
+        for (_, held), fractions in folds.items()
+        if WINNER in fractions and not held
+    ]
+    held = [
+        fractions[WINNER] for (_, held), fractions in folds.items() if WINNER in fractions and held
+    ]
     held_out = None
     if ladder.held_out is not None and WINNER in ladder.held_out.simulated:
         held_out = group_reduction(ladder.held_out, seed, held)
@@ -52,17 +58,25 @@ def closed(part, units):
 
 def rungs(analysis, ladder):
     """The models of the ladder."""
-    found, units = [], units_of_keys()
+    parts, units = [], units_of_keys()
     folds = fold_fractions(ladder)
     for model, fit in ladder.fits.items():
         if model not in ladder.fitted.simulated:
             continue
         held = None
         if ladder.held_out is not None and model in ladder.held_out.simulated:
-            values = [own[model] for (_, held), own in folds.items() if model in own and held]
+            values = [
+                fractions[model]
+                for (_, held), fractions in folds.items()
+                if model in fractions and held
+            ]
             held = misfit(ladder.held_out, model, analysis.seed, values)
-        values = [own[model] for (_, held), own in folds.items() if model in own and not held]
-        found.append(
+        values = [
+            fractions[model]
+            for (_, held), fractions in folds.items()
+            if model in fractions and not held
+        ]
+        parts.append(
             form.Rung(
                 model=model,
                 effects=sorted(fit.effects),
@@ -78,24 +92,24 @@ def rungs(analysis, ladder):
                 calibrated={} if model == BASELINE else calibrated(ladder.quantities, fit.z, units),
             )
         )
-    return found
+    return parts
 
 
 def calibrated(quantities, z, units):
     """{key: `Parameter`} of the calibrated parameters; each once, though experiments may differ."""
-    found = {}
+    parts = {}
     for quantity, shift in zip(quantities, z, strict=True):
         name = quantity.key
-        if name in found:
+        if name in parts:
             name = f"{name} ({', '.join(quantity.experiments)})"
-        found[name] = form.Parameter(
+        parts[name] = form.Parameter(
             value=quantity.value(shift),
             low=None,
             high=None,
             units=units[quantity.key],
             prior=form.PriorRange(kind="normal", first=quantity.mean, second=quantity.sd),
         )
-    return found
+    return parts
 
 
 def misfit(group, model, seed, values=(), predicted=None):
@@ -104,8 +118,8 @@ def misfit(group, model, seed, values=(), predicted=None):
     everything = np.ones(len(z), bool)
     fraction = interval = foreseen = None
     if model != BASELINE:
-        found = closing(group, model, everything, seed, values=values)
-        fraction, interval = found.fraction, found.interval
+        change = closing(group, model, everything, seed, values=values)
+        fraction, interval = change.fraction, change.interval
         if predicted is not None:
             again = with_simulated(group, {model: predicted})
             foreseen = closing(again, model, everything, seed).fraction
