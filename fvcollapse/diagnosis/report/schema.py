@@ -81,7 +81,7 @@ class NextExperiment(Part):
 
 
 class Cost(Part):
-    """What it took; `cached_runs` of the `solver_runs` were found done."""
+    """What it took; `cached_runs` of the `solver_runs` were reused from the cache."""
 
     solver_runs: int
     wall_time_s: float
