@@ -163,7 +163,7 @@ class ModelComparison:
     def evidence(self, gap, pairs=True):
         """The `Evidence` of a gap (N,); `pairs`: also of two effects together."""
         seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
-        found = [
+        hypotheses = [
             self.without_effect(gap, seen, NONE, DISCREPANCIES),
             self.without_effect(gap, seen, UNKNOWN, UNKNOWN_DISCREPANCIES),
         ]
@@ -173,10 +173,10 @@ class ModelComparison:
             pair = sorted((single[0], other), key=lambda each: each.name)
             both = joined(*(self.closures[each.name][each.variant[0]] for each in pair))
             name = "+".join(each.name for each in pair)
-            found.append(self.with_effect(gap, seen, name, [both], float(np.log(PAIR_ODDS))))
-        found += single
-        found.sort(key=lambda each: -(each.log_evidence + each.log_prior))
-        return Evidence({each.name: each for each in found})
+            hypotheses.append(self.with_effect(gap, seen, name, [both], float(np.log(PAIR_ODDS))))
+        hypotheses += single
+        hypotheses.sort(key=lambda each: -(each.log_evidence + each.log_prior))
+        return Evidence({each.name: each for each in hypotheses})
 
     def without_effect(self, gap, seen, name, sigmas):
         """The hypothesis that no effect acts."""

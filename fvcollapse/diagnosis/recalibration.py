@@ -46,7 +46,7 @@ class Recalibration:
     def __init__(self, analysis):
         library = analysis.library
         self.analysis, self.library = analysis, library
-        rows = [n for n, each in enumerate(library.quantities) if each.key in CALIBRATED]
+        rows = [n for n, quantity in enumerate(library.quantities) if quantity.key in CALIBRATED]
         self.quantities = tuple(library.quantities[n] for n in rows)
         self.slopes = library.sensitivities[rows]
         self.kind = library.points.kind
@@ -72,13 +72,13 @@ class Recalibration:
 
     def parts(self, name, hypothesis):
         """(closure, response, u) of each effect of a hypothesis, as the evidence has them."""
-        found, first = [], 0
+        members, first = [], 0
         for effect, variant in zip(effects_of(name or NONE), hypothesis.variant, strict=True):
             response = self.library.responses[effect][variant]
             u = hypothesis.u[first : first + response.dimension]
             first += response.dimension
-            found.append((self.library.closures[effect][variant], response, u))
-        return found
+            members.append((self.library.closures[effect][variant], response, u))
+        return members
 
     def residual(self, parts, count, sigma, rows):
         """Function of (u, z): whitened gaps, gaps beyond bounds, and the priors: z, and u as a standard normal.
@@ -105,9 +105,9 @@ class Recalibration:
     def change(self, parts, u):
         """Response of the effects at their quantiles, (N,)."""
         total, first = np.zeros(len(self.library.points)), 0
-        for _, response, own in parts:
-            total = total + response.at(u[first : first + len(own)])
-            first += len(own)
+        for _, response, u_before in parts:
+            total = total + response.at(u[first : first + len(u_before)])
+            first += len(u_before)
         return total
 
     def predicted(self, fit):
@@ -129,19 +129,21 @@ class Recalibration:
         given = ~wanted & (self.kind == "value")
         gap, shifts = self.library.fine - points.measured, {}
         for model, fit in fits.items():
-            found = condition(given, wanted, gap + fit.z @ self.slopes, analysis.everything)
-            shifts[model] = found.mean
-        return shifts, found.covariance
+            conditioned = condition(given, wanted, gap + fit.z @ self.slopes, analysis.everything)
+            shifts[model] = conditioned.mean
+        return shifts, conditioned.covariance
 
     def case(self, fit, experiment, base):
         """The case of a fit on the finer grid, for an experiment whose coarser baseline is `base`."""
         name = experiment.name
-        own = [  # a material of the same value is the same material
-            (each._replace(experiments=(name,)), shift)
-            for each, shift in zip(self.quantities, fit.z, strict=True)
-            if name in each.experiments or value_of(base, each.key) == each.mean
+        entering = [  # a material of the same value is the same material
+            (quantity._replace(experiments=(name,)), shift)
+            for quantity, shift in zip(self.quantities, fit.z, strict=True)
+            if name in quantity.experiments or value_of(base, quantity.key) == quantity.mean
         ]
-        case = with_nuisances(base, name, [each for each, _ in own], [shift for _, shift in own])
+        case = with_nuisances(
+            base, name, [quantity for quantity, _ in entering], [shift for _, shift in entering]
+        )
         sections = {
             f"effects.{effect}": closure.section(u) for effect, (closure, u) in fit.effects.items()
         }
