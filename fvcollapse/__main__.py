@@ -521,8 +521,8 @@ def diagnose(arguments):
     """Compare experiments with a model and its possible effects; continue what is there; write a report."""
     from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
     from fvcollapse.diagnosis.report import FILE_NAME
-    from fvcollapse.diagnosis.report_page import PAGE
-    from fvcollapse.diagnosis.report_words import answer
+    from fvcollapse.diagnosis.report.page import PAGE
+    from fvcollapse.diagnosis.report.sentences import answer
 
     effects = arguments.effects
     report = diagnose_all(

@@ -4,7 +4,7 @@ import textwrap
 from pathlib import Path
 
 from fvcollapse.diagnosis.report import read_report
-from fvcollapse.diagnosis.report_words import answer
+from fvcollapse.diagnosis.report.sentences import answer
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
 from runs.readme_tables import stored, table

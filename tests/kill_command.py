@@ -42,10 +42,10 @@ output.Keeper, output.log_start, output.SAVING_SHARE = OftenKept, noted_start, 1
 
 def shorten_diagnosis():
     """A few short runs are enough to be killed."""
-    from fvcollapse.diagnosis import effect_library
+    from fvcollapse.diagnosis import baseline
     from fvcollapse.diagnosis.diagnose import diagnose
 
-    effect_library.END_STEP = 0.12
+    baseline.END_STEP = 0.12
     diagnose.__kwdefaults__["draws"] = 4
 
 

@@ -2,66 +2,63 @@
 
 The front follows x_f = L + R tanh^2(t / T), the thickness h = H (1 - (x / x_f)^2) with the volume kept,
 the interface half of it behind the front. The "measurement" has a smaller reach R than the model,
-as with lateral friction, and noise of its stated standard deviation.
+as with lateral friction, and noise of its stated standard deviation. What no test looks at is filled in from
+the types of the schema.
 """
 
-import numpy as np
+import typing
 
-from fvcollapse.diagnosis.report import (
-    BASELINE,
-    RECALIBRATED,
-    RUNNER_UP,
-    WINNER,
-    Candidate,
-    Closed,
-    Comparison,
-    Confirmation,
-    Cost,
-    Details,
-    Fold,
-    Hypothesis,
-    Misfit,
-    NextExperiment,
-    ObservableGap,
-    Parameter,
-    PriorRange,
-    Reduction,
-    Reductions,
-    Region,
-    Report,
-    Rung,
-    Separability,
-    SetUp,
-    Share,
-    Verdict,
-)
-from fvcollapse.diagnosis.report_words import observable_name
+import msgspec
+import numpy as np
+from msgspec.structs import replace
+
+from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
+from fvcollapse.diagnosis.report import schema as form
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.measure.quantities import CURVES, QUANTITIES
 
 FITTED = ("collapse_00deg_w10cm", "collapse_16deg_w10cm", "collapse_22deg_w10cm")
 HELD_OUT = ("collapse_22deg_w20cm",)
-SLOPE = dict(zip((*FITTED, *HELD_OUT), (0.0, 16.0, 22.0, 22.0), strict=True))
-WIDTH = dict(zip((*FITTED, *HELD_OUT), (0.10, 0.10, 0.10, 0.20), strict=True))
+EVERY = (*FITTED, *HELD_OUT)
+SLOPE = dict(zip(EVERY, (0.0, 16.0, 22.0, 22.0), strict=True))
+WIDTH = dict(zip(EVERY, (0.10, 0.10, 0.10, 0.20), strict=True))
 HEIGHT, LENGTH = 0.14, 0.20  # m
 REACH_TOO_FAR = {BASELINE: 0.28, RECALIBRATED: 0.10, WINNER: 0.01, RUNNER_UP: 0.07}
-SIGMA = {"front": 0.01, "profiles": 0.002, "interface": 0.003, "volume": 0.01}
-UNITS = {"front": "m", "profiles": "m", "interface": "m", "volume": "1", "runout": "m"}
+SIGMA = {"front": 0.01, "profiles": 0.002, "volume": 0.01, "interface": 0.003, "runout": 0.012}
 PROFILE_TIMES = (0.1, 0.2, 0.32, 0.48, 0.7, 0.95, 1.4)
 FRONT_TIMES = np.linspace(0.04, 1.4, 25)
+PHASES = (("release", 0.15), ("spreading", 0.7), ("arrest", 1.0), ("deposit", np.inf))
 EFFECTS = tuple(name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE)
 
 
-def reach(experiment, model=None):
-    """How far the front advances [m]; model None: measured."""
-    slope = SLOPE[experiment] / 22.0
-    walls = 0.5 if WIDTH[experiment] == 0.20 else 1.0
-    excess = REACH_TOO_FAR[model] * walls * (0.4 + 0.6 * slope) if model else 0.0
-    return (0.30 + 0.55 * slope) * (1.0 + excess)
+# -- from the schema -----------------------------------------------------------------------------
+
+
+def made(part, /, **given):
+    """A part of the report; required fields that are not given are filled in by their type."""
+    required = [f for f in msgspec.structs.fields(part) if f.required and f.name not in given]
+    return part(**given, **{field.name: filler(field.type, field.name) for field in required})
+
+
+def filler(annotation, name):
+    """A value of a type: the name as a text, 0.5, 1, an empty list or dict, None where it may be."""
+    options = typing.get_args(annotation)
+    origin = typing.get_origin(annotation)
+    if origin is typing.Literal:
+        return options[0]
+    if type(None) in options:
+        return None
+    return {str: name, float: 0.5, int: 1, bool: True, list: [], dict: {}}[origin or annotation]
+
+
+# -- curves --------------------------------------------------------------------------------------
 
 
 def front(experiment, time, model=None):
-    """Position of the front [m]."""
-    return LENGTH + reach(experiment, model) * np.tanh(time / 0.45) ** 2
+    """Position of the front [m]; model None: measured."""
+    slope, walls = SLOPE[experiment] / 22.0, 0.5 if WIDTH[experiment] == 0.20 else 1.0
+    excess = REACH_TOO_FAR[model] * walls * (0.4 + 0.6 * slope) if model else 0.0
+    return LENGTH + (0.30 + 0.55 * slope) * (1.0 + excess) * np.tanh(time / 0.45) ** 2
 
 
 def thickness(experiment, time, x, model=None):
@@ -85,34 +82,31 @@ def value(experiment, observable, time, x, model=None):
 
 def points(experiment, observable):
     """(time, x) of the points of an observable; None where it has none."""
-    if observable == "front":
-        return FRONT_TIMES, None
-    if observable == "volume":
-        return FRONT_TIMES[::3], None
-    if observable == "runout":
+    if observable not in CURVES:
         return None, None
-    places = {"profiles": (PROFILE_TIMES, 22), "interface": (PROFILE_TIMES[:5], 8)}[observable]
-    rows = [
-        (np.full(places[1], t), np.linspace(0.01, 1.08 * front(experiment, t), places[1]))
-        for t in places[0]
-    ]
-    return tuple(np.concatenate(column) for column in zip(*rows, strict=True))
+    if not CURVES[observable].is_profile:
+        return FRONT_TIMES[:: 1 if observable == "front" else 3], None
+    count = CURVES[observable].places
+    times = PROFILE_TIMES[: len(CURVES[observable].moments)]
+    ends = [1.08 * front(experiment, time) for time in times]
+    return np.repeat(times, count), np.concatenate([np.linspace(0.01, end, count) for end in ends])
 
 
 def comparison(experiment, observable, rng, models):
-    """One observable of one experiment, with z and the region of its significant points."""
+    """One observable of one experiment, with z."""
     time, x = points(experiment, observable)
     truth = value(experiment, observable, time, x)
-    sigma = np.full(len(truth), SIGMA.get(observable, 0.012))
+    sigma = np.full(len(truth), SIGMA[observable])
     if observable == "profiles":
         sigma = sigma * (1.0 + 1.5 * (x > 0.9 * front(experiment, time)))
     measured = truth + sigma * rng.standard_normal(len(truth))
     combined = np.hypot(sigma, 0.03 * np.abs(truth) + 0.5 * sigma)
     simulated = {model: value(experiment, observable, time, x, model) for model in models}
-    return Comparison(
+    moments = [9.0] if time is None else time
+    return form.Comparison(
         experiment=experiment,
         observable=observable,
-        units=UNITS[observable],
+        units=QUANTITIES[observable].unit,
         time=time,
         x=x,
         measured=measured,
@@ -121,149 +115,131 @@ def comparison(experiment, observable, rng, models):
         simulated=simulated,
         z={model: (values - measured) / combined for model, values in simulated.items()},
         region=[None] * len(truth),
-        phase=[
-            "deposit"
-            if t > 1.0
-            else "arrest"
-            if t > 0.7
-            else "spreading"
-            if t > 0.15
-            else "release"
-            for t in (time if time is not None else [9.0])
-        ],
+        phase=[next(name for name, end in PHASES if t <= end) for t in moments],
     )
 
 
 def with_regions(comparisons):
-    """(comparisons with the region of each point, regions): those beyond 2 and where the gap is positive."""
+    """(comparisons with the region of each point, regions): of fitted curves, beyond 2 and of one sign."""
     regions, marked = [], []
-    for one in comparisons:
-        z = one.z[BASELINE]
-        inside = np.abs(z) > 2.0
-        if one.experiment in HELD_OUT or one.time is None or inside.sum() < 4:
-            marked.append(one)
-            continue
-        index = np.full(len(z), -1)
-        for sign in (1, -1):
-            here = inside & (np.sign(z) == sign)
+    for pair in comparisons:
+        z, index = pair.z[BASELINE], np.full(len(pair.measured), -1)
+        for sign in (1, -1) if pair.experiment in FITTED and pair.time is not None else ():
+            here = (np.abs(z) > 2.0) & (np.sign(z) == sign)
             if here.sum() >= 4:
                 index[here] = len(regions)
-                regions.append(region(one, here))
-        marked.append(replaced(one, region=[int(n) if n >= 0 else None for n in index]))
+                regions.append(region(pair, here))
+        marked.append(replace(pair, region=[int(n) if n >= 0 else None for n in index]))
     return marked, regions
 
 
-def replaced(one, **changes):
-    """A comparison with other columns."""
-    from msgspec.structs import replace
-
-    return replace(one, **changes)
-
-
-def region(one, here):
+def region(pair, here):
     """The region of the points `here`."""
-    gap = (one.simulated[BASELINE] - one.measured)[here]
-    x_range = None if one.x is None else (float(one.x[here].min()), float(one.x[here].max()))
-    return Region(
-        experiment=one.experiment,
-        observable=one.observable,
-        t_range=(float(one.time[here].min()), float(one.time[here].max())),
-        x_range=x_range,
+    gap = (pair.simulated[BASELINE] - pair.measured)[here]
+    spans = [
+        None if column is None else (float(column[here].min()), float(column[here].max()))
+        for column in (pair.time, pair.x)
+    ]
+    return form.Region(
+        experiment=pair.experiment,
+        observable=pair.observable,
+        t_range=spans[0],
+        x_range=spans[1],
         gap=float(gap.mean()),
-        gap_sd=float(one.combined[here].mean()),
-        units=one.units,
-        significance=float(np.abs(one.z[BASELINE][here]).max()),
+        gap_sd=float(pair.combined[here].mean()),
+        units=pair.units,
+        significance=float(np.abs(pair.z[BASELINE][here]).max()),
         p_value=0.002,
     )
 
 
-def gaps(comparisons):
-    """The gap of each observable over the fitted experiments."""
-    found = {}
-    for name in dict.fromkeys(one.observable for one in comparisons):
-        mine = [one for one in comparisons if one.observable == name and one.experiment in FITTED]
-        gap = np.concatenate([one.simulated[BASELINE] - one.measured for one in mine])
-        combined = np.concatenate([one.combined for one in mine])
-        rms, sd = np.sqrt(np.mean(gap**2)), np.sqrt(np.mean(combined**2))
-        found[name] = ObservableGap(
-            rms_gap=rms,
-            combined_uncertainty=sd,
-            ratio=rms / sd,
-            units=mine[0].units,
-            points=len(gap),
-        )
-    return found
+# -- sizes ---------------------------------------------------------------------------------------
+
+
+def rms(parts):
+    """Root mean square of arrays."""
+    return float(np.sqrt(np.mean(np.concatenate(list(parts)) ** 2)))
 
 
 def rms_z(comparisons, model, experiments):
     """Root mean square of z over some experiments."""
-    parts = [one.z[model] for one in comparisons if one.experiment in experiments]
-    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+    return rms(pair.z[model] for pair in comparisons if pair.experiment in experiments)
 
 
-def misfit(comparisons, model, experiments):
-    """Gap of a model over a group of experiments."""
-    before, after = (rms_z(comparisons, which, experiments) for which in (BASELINE, model))
-    closed = 1.0 - after / before
-    return Misfit(
-        rms=after,
-        fraction_closed=closed,
-        interval=None if model == BASELINE else (closed - 0.08, min(closed + 0.06, 1.0)),
-        predicted=None if model == BASELINE else closed - 0.03,
-        by_experiment={name: rms_z(comparisons, model, [name]) for name in experiments},
+def rms_gap(comparisons, model):
+    """Root mean square gap."""
+    return rms(pair.simulated[model] - pair.measured for pair in comparisons)
+
+
+def sizes(comparisons):
+    """The gap of each observable over the fitted experiments."""
+    found = {}
+    for name in SIGMA:
+        mine = [pair for pair in comparisons if pair.observable == name]
+        mine = [pair for pair in mine if pair.experiment in FITTED]
+        gap, sd = rms_gap(mine, BASELINE), rms(pair.combined for pair in mine)
+        count = sum(len(pair.measured) for pair in mine)
+        found[name] = form.ObservableGap(gap, sd, gap / sd, QUANTITIES[name].unit, count)
+    return found
+
+
+def closed(before, after, units):
+    """A gap before and after."""
+    share = 1.0 - after / before
+    return form.Closed(
+        before, after, share, (max(share - 0.1, -1.0), min(share + 0.05, 1.0)), units
     )
 
 
 def reduction(comparisons, experiments):
     """Before and after with the winner, overall and by observable."""
+    overall = [rms_z(comparisons, model, experiments) for model in (BASELINE, WINNER)]
+    parts = {}
+    for name in (name for name in SIGMA if name != "volume"):
+        mine = [pair for pair in comparisons if pair.observable == name]
+        mine = [pair for pair in mine if pair.experiment in experiments]
+        both = [rms_gap(mine, model) for model in (BASELINE, WINNER)]
+        parts[name] = closed(*both, QUANTITIES[name].unit)
+    return form.Reduction(closed(*overall, "standard uncertainties beyond the noise"), parts)
 
-    def part(chosen, units, measure):
-        before, after = measure(chosen, BASELINE), measure(chosen, WINNER)
-        closed = 1.0 - after / before
-        span = (max(closed - 0.1, -1.0), min(closed + 0.05, 1.0))
-        return Closed(
-            before=before, after=after, fraction_closed=closed, interval=span, units=units
-        )
 
-    def rms_gap(chosen, model):
-        gap = np.concatenate([one.simulated[model] - one.measured for one in chosen])
-        return float(np.sqrt(np.mean(gap**2)))
-
-    mine = [one for one in comparisons if one.experiment in experiments]
-    names = dict.fromkeys(one.observable for one in mine if one.observable != "volume")
-    units = "standard uncertainties beyond the noise"
-    return Reduction(
-        overall=part(mine, units, lambda chosen, model: rms_z(chosen, model, experiments)),
-        by_observable={
-            name: part([one for one in mine if one.observable == name], UNITS[name], rms_gap)
-            for name in names
-        },
+def misfit(comparisons, model, experiments):
+    """Gap of a model over a group of experiments."""
+    before, after = (rms_z(comparisons, which, experiments) for which in (BASELINE, model))
+    share = 1.0 - after / before
+    foreseen = {"interval": (share - 0.08, min(share + 0.06, 1.0)), "predicted": share - 0.03}
+    return form.Misfit(
+        rms=after,
+        fraction_closed=share,
+        by_experiment={name: rms_z(comparisons, model, [name]) for name in experiments},
+        **({} if model == BASELINE else foreseen),
     )
 
 
-def parameter(name, key, place):
-    """A parameter at the quantile `place` of its prior, with an interval."""
-    prior = CATALOGUE[name].priors[key]
-    law = prior.distribution()
-    value, low, high = (float(law.ppf(q)) for q in (place, 0.7 * place, 1.0 - 0.7 * (1.0 - place)))
-    return Parameter(
-        value=value, low=low, high=high, units="-", prior=PriorRange(**prior._asdict())
-    )
+# -- causes --------------------------------------------------------------------------------------
+
+
+def parameters(name, place=0.4):
+    """The parameters of an effect at the quantile `place` of their priors, with intervals."""
+    found = {}
+    for key, prior in CATALOGUE[name].priors.items():
+        quantiles = (place, 0.7 * place, 1.0 - 0.7 * (1.0 - place))
+        numbers = (float(prior.distribution().ppf(quantile)) for quantile in quantiles)
+        found[key] = form.Parameter(*numbers, "-", form.PriorRange(**prior._asdict()))
+    return found
 
 
 def separability(rng):
     """Signatures in which the second and the third effect look alike."""
-    k = len(EFFECTS)
-    vectors = rng.standard_normal((k, 6))
+    vectors = rng.standard_normal((len(EFFECTS), 6))
     vectors[2] = vectors[1] + 0.15 * rng.standard_normal(6)
     norm = np.linalg.norm(vectors, axis=1)
     cosine = vectors @ vectors.T / np.outer(norm, norm)
-    squared = norm[:, None] ** 2 * (1.0 - cosine**2)
     alike = list(EFFECTS[1:3])
-    return Separability(
+    return form.Separability(
         names=list(EFFECTS),
         cosine=cosine,
-        distance_squared=squared,
+        distance_squared=norm[:, None] ** 2 * (1.0 - cosine**2),
         unique_snr=norm,
         threshold=3.0,
         classes=[alike, *([name] for name in EFFECTS if name not in alike)],
@@ -271,168 +247,94 @@ def separability(rng):
     )
 
 
-def ladder(comparisons, models, first, second):
-    """The four models, fitted and held out."""
-    effects = {WINNER: [first], RUNNER_UP: [second]}
-    mu_1 = PriorRange(kind="normal", first=0.48, second=0.015, source="stated with the case")
-    return [
-        Rung(
-            model=model,
-            effects=effects.get(model, []),
-            fitted=misfit(comparisons, model, FITTED),
-            held_out=misfit(comparisons, model, HELD_OUT),
-            calibrated=(
-                {}
-                if model == BASELINE
-                else {
-                    "rheology.mu_1": Parameter(
-                        value=0.492, low=0.481, high=0.503, units="-", prior=mu_1
-                    )
-                }
-            ),
-            parameters={
-                f"{name}.{key}": parameter(name, key, 0.4)
-                for name in effects.get(model, [])
-                for key in list(CATALOGUE[name].priors)[:1]
-            },
-        )
-        for model in models
-    ]
+def rung(comparisons, model, effects):
+    """One model, fitted and held out."""
+    prior = made(form.PriorRange, kind="normal", first=0.48, second=0.015)
+    mu_1 = form.Parameter(0.492, 0.481, 0.503, "-", prior)
+    return form.Rung(
+        model=model,
+        effects=effects,
+        fitted=misfit(comparisons, model, FITTED),
+        held_out=misfit(comparisons, model, HELD_OUT),
+        calibrated={} if model == BASELINE else {"rheology.mu_1": mu_1},
+        parameters={f"{name}.{key}": p for name in effects for key, p in parameters(name).items()},
+    )
+
+
+def confirmation():
+    """A cause that the runs support without confirming it."""
+    folds = [form.Fold(name, 0.7, 0.4 + 0.15 * n) for n, name in enumerate(FITTED)]
+    return form.Confirmation(
+        wording="consistent with",
+        reasons=["it beats the runner-up on the held-out experiment and in 2 of 3 folds"],
+        folds=[*folds, form.Fold(HELD_OUT[0], 0.55, 0.4, held_out=True)],
+    )
 
 
 def example(kind="effect", probable=0.87):
     """A report with a given verdict."""
     rng = np.random.default_rng(7)
-    named = kind in ("effect", "several")
-    models = (BASELINE, RECALIBRATED, WINNER, RUNNER_UP) if named else (BASELINE, RECALIBRATED)
-    comparisons = [
-        comparison(experiment, observable, rng, models)
-        for experiment in (*FITTED, *HELD_OUT)
-        for observable in UNITS
-    ]
-    comparisons, regions = with_regions(comparisons)
-    first, second = EFFECTS[:2]
-    rest = (1.0 - probable) / (len(EFFECTS) + 1)
-    names = [*EFFECTS, "none", "unknown"]
-    top = {"effect": first, "several": first}.get(kind, kind)
-    probability = {name: probable if name == top else rest for name in names}
+    is_named = kind in ("effect", "several")
+    models = (BASELINE, RECALIBRATED, WINNER, RUNNER_UP)[: 4 if is_named else 2]
+    pairs = [comparison(name, observable, rng, models) for name in EVERY for observable in SIGMA]
+    marked, regions = (pairs, []) if kind == "none" else with_regions(pairs)
+    names, top = [*EFFECTS, "none", "unknown"], EFFECTS[0] if is_named else kind
+    effects = {"effect": [EFFECTS[0]], "several": list(EFFECTS[:2])}.get(kind, [])
+    share = (1.0 - probable) / (len(names) - 1)
+    probability = dict.fromkeys(names, share) | {top: probable}
     evidence = {name: 812.0 - 3.0 * n for n, name in enumerate(names)} | {"none": 590.2}
-    hypotheses = {
-        name: Hypothesis(
-            log_evidence=value,
-            log_evidence_wide=value - 0.7,
-            conformal_p=0.62 if name == top else 0.03,
-            predictive_p=0.31,
-            like_miscalibration=name == second,
-            absorbed_in=list(CATALOGUE[name].absorbed_in) if name in CATALOGUE else [],
-        )
-        for name, value in evidence.items()
-    }
-    total = len(comparisons)
-    return Report(
+    groups = (FITTED, HELD_OUT)
+    return made(
+        form.Report,
         experiments=list(FITTED),
         held_out=list(HELD_OUT),
-        baseline_case='[geometry]\nslope_angle_deg = 22.0\nheight_0 = 0.14\n\n[rheology]\nlaw = "mu_I"\nmu_1 = 0.48\n',
-        where=[] if kind == "none" else regions,
-        by_observable=gaps(comparisons),
-        verdict=Verdict(
-            kind=kind,
-            effects={"effect": [first], "several": [first, second]}.get(kind, []),
-            indistinguishable=[list(EFFECTS[1:3])],
-            probability=probability,
-            set=[top],
-        ),
+        baseline_case="[geometry]\nslope_angle_deg = 22.0\n\n[rheology]\nmu_1 = 0.48\n",
+        where=regions,
+        by_observable=sizes(pairs),
+        verdict=form.Verdict(kind, effects, [list(EFFECTS[1:3])], probability, [top]),
         candidates={
-            name: Candidate(
-                probability=probability[name],
-                log_evidence=evidence[name],
-                parameters={key: parameter(name, key, 0.4) for key in CATALOGUE[name].priors},
-                plausible=name != EFFECTS[-1],
+            name: form.Candidate(
+                probability[name], evidence[name], parameters(name), name != EFFECTS[-1]
             )
             for name in EFFECTS
         },
-        reduction=(
-            Reductions(
-                fitted=reduction(comparisons, FITTED), held_out=reduction(comparisons, HELD_OUT)
+        reduction=form.Reductions(*(reduction(pairs, g) for g in groups)) if is_named else None,
+        next_experiment=made(form.NextExperiment, separates=list(EFFECTS[:2]), repeats=2),
+        cost=form.Cost(solver_runs=31, wall_time_s=412.0, cell_size=0.012, cached_runs=16),
+        details=details(marked, models, evidence, rng, top, is_named),
+    )
+
+
+def details(comparisons, models, evidence, rng, top, is_named):
+    """What the page shows beyond the stable keys."""
+    rivals = {WINNER: [EFFECTS[0]], RUNNER_UP: [EFFECTS[1]]}
+    share = 1.0 / sum(len(set(pair.phase)) for pair in comparisons if pair.experiment in FITTED)
+    return form.Details(
+        set_ups={
+            name: made(form.SetUp, slope_angle_deg=SLOPE[name], channel_width=WIDTH[name])
+            for name in EVERY
+        },
+        comparisons=comparisons,
+        shares=[
+            form.Share(pair.experiment, pair.observable, phase, share, 1 if n % 3 else -1)
+            for n, pair in enumerate(comparisons)
+            if pair.experiment in FITTED
+            for phase in dict.fromkeys(pair.phase)
+        ],
+        budget={name: {"measurement": sd, "grid": 0.3 * sd} for name, sd in SIGMA.items()},
+        hypotheses={
+            name: form.HypothesisSummary(
+                log_evidence=value,
+                log_evidence_wide=value - 0.7,
+                conformal_p=0.62 if name == top else 0.03,
+                like_miscalibration=name == EFFECTS[1],
+                absorbed_in=list(CATALOGUE[name].absorbed_in) if name in CATALOGUE else [],
             )
-            if named
-            else None
-        ),
-        next_experiment=NextExperiment(
-            description="a channel 5 cm wide at 16\N{DEGREE SIGN}, front every 20 ms",
-            separates=[first, second],
-            expected_gain=0.41,
-            set_up={"geometry.channel_width": 0.05, "geometry.slope_angle_deg": 16.0},
-            repeats=2,
-        ),
-        cost=Cost(solver_runs=31, wall_time_s=412.0, cell_size=0.012, cached_runs=16),
-        details=Details(
-            set_ups={
-                name: SetUp(
-                    title=f"Collapse at {SLOPE[name]:g}\N{DEGREE SIGN}, channel {100 * WIDTH[name]:g} cm wide",
-                    source="analytic curves of the test suite",
-                    slope_angle_deg=SLOPE[name],
-                    height_0=HEIGHT,
-                    length_0=LENGTH,
-                    channel_width=WIDTH[name],
-                )
-                for name in (*FITTED, *HELD_OUT)
-            },
-            comparisons=[
-                replaced(one, region=[None] * len(one.measured)) if kind == "none" else one
-                for one in comparisons
-            ],
-            shares=[
-                Share(
-                    experiment=one.experiment,
-                    observable=one.observable,
-                    phase=phase,
-                    share=1.0 / total / len(set(one.phase)),
-                    sign=1 if n % 3 else -1,
-                )
-                for n, one in enumerate(comparisons)
-                if one.experiment in FITTED
-                for phase in dict.fromkeys(one.phase)
-            ],
-            budget={
-                name: {
-                    "measurement": SIGMA.get(name, 0.012),
-                    "run level": 0.4 * SIGMA.get(name, 0.012),
-                    "grid": 0.3 * SIGMA.get(name, 0.012),
-                    "calibrated parameters": 0.8 * SIGMA.get(name, 0.012),
-                }
-                for name in UNITS
-            },
-            hypotheses=hypotheses,
-            separability=separability(rng),
-            ladder=ladder(comparisons, models, first, second),
-            confirmation=(
-                Confirmation(
-                    wording="consistent with",
-                    reasons=[
-                        "it beats the runner-up on the held-out experiment and in 2 of 3 folds",
-                        f"its {observable_name('profiles')} gap passes the predictive check",
-                    ],
-                    folds=[
-                        Fold(experiment=name, winner=0.7, runner_up=0.4 + 0.15 * n)
-                        for n, name in enumerate(FITTED)
-                    ]
-                    + [Fold(experiment=HELD_OUT[0], winner=0.55, runner_up=0.4, held_out=True)],
-                )
-                if named
-                else None
-            ),
-            alternatives=[
-                NextExperiment(
-                    description="a second gate speed of 1 m/s at 0\N{DEGREE SIGN}",
-                    separates=[first, second],
-                    expected_gain=0.22,
-                    repeats=4,
-                )
-            ],
-            limits=[
-                "With three fitted experiments the intervals are the range of the leave-one-out values.",
-                "A friction mu_1 calibrated in this channel may already hold part of the lateral friction.",
-            ],
-        ),
+            for name, value in evidence.items()
+        },
+        separability=separability(rng),
+        ladder=[rung(comparisons, model, rivals.get(model, [])) for model in models],
+        confirmation=confirmation() if is_named else None,
+        alternatives=[made(form.NextExperiment, separates=list(EFFECTS[:2]))],
+        limits=["A friction mu_1 calibrated in this channel may already hold lateral friction."],
     )

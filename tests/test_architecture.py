@@ -29,6 +29,8 @@ LAYERS = (
     "studies",
     "verification",
     "diagnosis",
+    "diagnosis.report",
+    "diagnosis.diagnose",
     "blind",
     "align cache observation",
     "__init__",

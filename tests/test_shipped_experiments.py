@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fvcollapse import load_experiment
-from fvcollapse.measure.curves import FORMS
+from fvcollapse.measure.quantities import CURVES
 from runs.experiments import convert, make_examples
 
 SHIPPED = Path(convert.__file__).parent
@@ -56,7 +56,7 @@ def test_ratios_become_lengths_and_near_points_one_experiment(tmp_path):
 @pytest.mark.parametrize("name", make_examples.EXAMPLES)
 def test_example_hides_a_cause_that_is_not_read(name):
     experiment = load_experiment(SHIPPED / name)
-    assert set(experiment.curves) == set(FORMS)
+    assert set(experiment.curves) == set(CURVES)
     true = make_examples.truth(name, make_examples.CELL_SIZE)
     stated = experiment.case()
     assert true.effects.lateral_friction is not None

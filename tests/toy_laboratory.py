@@ -4,14 +4,18 @@ The front advances as 1 - exp(-(t/T)^2); reach, duration and shape of the pile f
 with its effects, so that every effect has a signature of its own and calibrated parameters another.
 """
 
+from dataclasses import dataclass, field
+from functools import cached_property
 from math import cos, inf, radians, sqrt, tan
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.effects.catalogue import with_effects
-from fvcollapse.measure.curves import FORMS, curve_text
+from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.observables import Observations
+from fvcollapse.measure.quantities import CURVES
 
 TIMES = np.linspace(0.0, 1.6, 81)
 PLACES = np.linspace(0.0, 1.4, 141)
@@ -86,7 +90,7 @@ def collapse(case, swelling=0.0):
 
 
 class ToyRunner:
-    """In the place of `effect_library.Runner`; counts what was asked for."""
+    """In the place of `runner.Runner`; counts what was asked for."""
 
     def __init__(self, *_, **__):
         self.asked, self.computed = set(), set()
@@ -96,6 +100,17 @@ class ToyRunner:
             self.asked.add(case.to_toml())
         self.computed = set(self.asked)
         return {label: collapse(case) for label, (_, case) in wanted.items()}, {}
+
+
+@dataclass(frozen=True)
+class PlannedQuestion(Question):
+    """A question whose cases are given, {name: Case}."""
+
+    planned: dict = field(default_factory=dict)
+
+    @cached_property
+    def cases(self):
+        return self.planned
 
 
 def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **changes):
@@ -125,7 +140,7 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
     true |= {f"effects.{name}": section for name, section in (effects or {}).items()}
     true["grid.cell_size"] = 0.004
     seen, rng = collapse(case.replace(**true), swelling), np.random.default_rng(seed)
-    for name in FORMS:
+    for name in CURVES:
         rows = getattr(seen, name).copy()
         rows = rows[(rows[:, 0] > 0.0) & (np.round(rows[:, 0] / 0.02) % 2 == 0)]
         if rows.shape[1] == 3:
@@ -137,7 +152,7 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
 
 def only_numbers(folder, *rows):
     """The experiment without its curves, and with these rows of `scalars.csv`."""
-    for name in FORMS:
+    for name in CURVES:
         (folder / f"{name}.csv").unlink()
     text = "\n".join(("name,value,sigma,kind", *rows, ""))
     (folder / "scalars.csv").write_text(text, encoding="utf-8")

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.measure.align import on_points
-from fvcollapse.measure.curves import FORMS, csv_text
+from fvcollapse.measure.curves import csv_text
+from fvcollapse.measure.quantities import CURVES
 
 FRAME = 0.04  # s between frames
 SPACING = 0.01  # m between places
@@ -138,7 +139,7 @@ def jumping_errors(count, rng):
 
 def curve_csv(name, table):
     """CSV text of a curve in whole pixels, with so many decimals that rounding leaves no trace."""
-    columns = FORMS[name].columns
+    columns = CURVES[name].columns
     table = table.copy()
     table[:, -1] = PIXEL[name] * np.round(table[:, -1] / PIXEL[name])
     table[:, -1] += 0.0  # no -0

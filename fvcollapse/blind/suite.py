@@ -19,13 +19,17 @@ from fvcollapse.blind.evidence_form import FORMAT, read_content
 from fvcollapse.blind.generator import BLIND, TRAINING, draw_pair, known_effects
 from fvcollapse.blind.make import make, read_labels
 from fvcollapse.blind.metrics import Outcome, all_scores
+from fvcollapse.blind.verdict_training import FOLDS, fit
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.effect_library import Runner
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN
+from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.separability import DISCREPANCY, separability
-from fvcollapse.diagnosis.verdict import FOLDS, class_of, class_prior, fit, verdict
+from fvcollapse.diagnosis.verdict import verdict
+from fvcollapse.diagnosis.verdict_features import class_of
+from fvcollapse.diagnosis.verdict_model import class_prior
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
@@ -132,7 +136,9 @@ def analysis_of(case, options, workers=1, scheduler=None, quiet=True):
     options, design = dict(options), design_of(case)
     SharingRunner.begin(design)
     runner = SharingRunner(options.pop("cache", None), workers, scheduler, quiet)
-    return analyse([load_experiment(case / name) for name in design], runner, **options)
+    experiments = tuple(load_experiment(case / name) for name in design)
+    asked = {key: options.pop(key) for key in ("cell_size", "seed") if key in options}
+    return analyse(Question(experiments, **asked), runner, **options)
 
 
 def keep_evidence(case, path, options, workers=1, scheduler=None, quiet=True):

@@ -6,29 +6,24 @@ their expected discrepancy is subtracted, its covariance is part of U.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
+from fvcollapse.diagnosis.baseline import REFINEMENT
+from fvcollapse.diagnosis.calibration import calibration_of
+from fvcollapse.diagnosis.controls import Discrepancy, condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import (
-    calibration_covariance,
     discrepancy_amplitude,
     discrepancy_kernel,
     measurement_covariance,
     numerical_covariance,
 )
-from fvcollapse.diagnosis.effect_library import (
-    CALIBRATED,
-    DRAWS,
-    REFINEMENT,
-    add_levels,
-    baseline_cases,
-    build_library,
-)
-from fvcollapse.diagnosis.evidence import Comparison
-from fvcollapse.diagnosis.gap_map import gap_map
+from fvcollapse.diagnosis.evidence import Evidence, ModelComparison
+from fvcollapse.diagnosis.gap_map import GapMap, gap_map
+from fvcollapse.diagnosis.library import DRAWS, Library, add_levels, build_library
 from fvcollapse.diagnosis.mass_balance import mass_balance
-from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.separability import null_test, separability
 
 ORDER = 1.0  # of convergence; see the convergence study
@@ -37,7 +32,6 @@ REFINED = 2  # effects in each
 UNCERTAIN = 4.0  # expected chi-square of the error of the emulator at the best values
 SAME_LEVEL = 0.01  # quantile
 LEAST_QUANTILE = 0.01  # of a further level
-RIDGE = 0.1  # of the regression on the draws: few draws leave some directions open
 
 
 @dataclass(frozen=True)
@@ -46,11 +40,9 @@ class Analysis:
 
     Attributes
     ----------
-    experiments, controls : tuple of Experiment
+    question : Question
     library : Library
         Over the points of experiments and controls, N + M of them.
-    points : Points
-        Of the experiments.
     measurement, numerical : (N, N) arrays
         Parts of U.
     calibration : (N, N) array
@@ -67,15 +59,12 @@ class Analysis:
         Covariance of all gaps that no calibration explains: measurement, discretisation, set-up and the
         learned discrepancy.
     gap_map : GapMap
-    comparison : Comparison
+    comparison : ModelComparison
     evidence : Evidence
-    seed : int
     """
 
-    experiments: tuple
-    controls: tuple
-    library: object
-    points: object
+    question: Question
+    library: Library
     measurement: np.ndarray
     numerical: np.ndarray
     calibration: np.ndarray
@@ -83,12 +72,31 @@ class Analysis:
     kernel: np.ndarray
     shift: np.ndarray
     expected: np.ndarray
-    discrepancy: object
+    discrepancy: Discrepancy | None
     everything: np.ndarray
-    gap_map: object
-    comparison: object
-    evidence: object
-    seed: int
+    gap_map: GapMap
+    comparison: ModelComparison
+    evidence: Evidence
+
+    @property
+    def experiments(self):
+        """The experiments to fit."""
+        return self.question.experiments
+
+    @property
+    def controls(self):
+        """Experiments in which nothing is hidden."""
+        return self.question.controls
+
+    @property
+    def points(self):
+        """`Points` of the experiments."""
+        return self.question.points
+
+    @property
+    def seed(self):
+        """Of all random draws."""
+        return self.question.seed
 
     @property
     def own(self):
@@ -100,10 +108,10 @@ class Analysis:
         """Baseline on the finer grid, (N,)."""
         return self.library.fine[self.own]
 
-    @property
+    @cached_property
     def responses(self):
         """Effect -> `Response`s on the points of the experiments."""
-        return own_responses(self.library.responses, self.own)
+        return responses_on(self.library.responses, self.own)
 
     @property
     def gap(self):
@@ -113,7 +121,7 @@ class Analysis:
     def evidence_of(self, effects):
         """The `Evidence` of some effects, as if the others were not in the catalogue."""
         responses = {name: each for name, each in self.responses.items() if name in effects}
-        comparison = Comparison(self.covariance, self.kernel, responses, self.points)
+        comparison = ModelComparison(self.covariance, self.kernel, responses, self.points)
         return replace(comparison.evidence(self.gap), balance=self.evidence.balance)
 
     @cached_property
@@ -129,170 +137,144 @@ class Analysis:
         return null_test(samples, samples.mean(axis=0), self.comparison, self.measurement, rng)
 
 
-def analyse(
-    experiments,
-    runner,
-    case=None,
-    *,
-    effects=None,
-    controls=(),
-    cell_size=None,
-    draws=DRAWS,
-    seed=0,
-    refinements=REFINEMENTS,
-):
-    """The `Analysis` of some experiments: runs what is missing, then compares.
+def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEMENTS):
+    """The `Analysis` of a question: runs what is missing, then compares.
 
     Where the emulator is uncertain at the best values of the two best effects, they are run there too.
 
     Parameters
     ----------
-    experiments, controls : sequences of Experiment
+    question : Question
     runner : Runner
-    case : Case, optional
-        What the user believes.
     effects : sequence of str, optional
         Only these of the catalogue.
-    cell_size : float, optional
-        Of the coarser grid [m].
     draws : int
         Size of the ensemble of calibrated parameters.
-    seed : int
     refinements : int
         Rounds of further levels at most.
+
+    Raises
+    ------
+    InputError
+        An experiment is given twice, or an effect is not in the catalogue.
+    NumericalError
+        A baseline fails, or too much of the ensemble.
     """
-    experiments, controls = tuple(experiments), tuple(controls)
-    everyone = choose_points((*experiments, *controls)).experiments  # refuses a name twice
-    cases = baseline_cases(everyone, case, cell_size)
-    library = build_library(experiments, cases, runner, effects, controls, draws, seed)
-    analysis = compare_library(library, experiments, controls, seed)
+    library = build_library(question, runner, effects, draws)
+    analysis = compare_library(question, library)
     for _ in range(refinements):
         wanted = uncertain_levels(analysis)
         if not wanted:
             break
         library = add_levels(library, wanted, runner)
-        analysis = compare_library(library, experiments, controls, seed)
+        analysis = compare_library(question, library)
     return analysis
 
 
 def uncertain_levels(analysis):
     """(effect, closure, u) of the two best effects where the emulator errs by more than the noise."""
-    found = []
-    single = [
-        each
-        for name, each in analysis.evidence.hypotheses.items()
-        if name in analysis.library.responses
-    ]
-    single.sort(key=lambda each: -each.log_evidence)
-    for each in single[:REFINED]:
-        (variant,) = each.variant
-        response = analysis.responses[each.name][variant]
-        u = np.clip(each.u, LEAST_QUANTILE, 1.0 - LEAST_QUANTILE)
+    hypotheses = analysis.evidence.hypotheses
+    single = [hypotheses[name] for name in hypotheses if name in analysis.library.responses]
+    single.sort(key=lambda hypothesis: -hypothesis.log_evidence)
+    levels = []
+    for hypothesis in single[:REFINED]:
+        (variant,) = hypothesis.variant
+        response = analysis.responses[hypothesis.name][variant]
+        u = np.clip(hypothesis.u, LEAST_QUANTILE, 1.0 - LEAST_QUANTILE)
         _, variance = response.weights(u[None])
-        white = analysis.comparison.whitened[each.sigma].solve(
+        white = analysis.comparison.whitened[hypothesis.sigma].solve(
             response.errors[:, analysis.comparison.values].T
         )
         apart = np.abs(response.levels - u).max(axis=1).min()
         if variance[0] * (white**2).sum() > UNCERTAIN and apart > SAME_LEVEL:
-            found.append((each.name, variant, u))
-    return found
+            levels.append((hypothesis.name, variant, u))
+    return levels
 
 
-def compare_library(library, experiments, controls=(), seed=0):
-    """The `Analysis` of a library that is there."""
-    every, points = library.points, choose_points(experiments)
-    own = slice(0, len(points))
-    sensitivity = every.sensitivity(library.seen)
-    measurement = measurement_covariance(every, sensitivity)
-    ratio = 1.0 / REFINEMENT
-    numerical = numerical_covariance(every, library.coarse, library.fine, ratio, ORDER, "fine")
+class Uncertainty(NamedTuple):
+    """Covariances over all points of the library, (n, n), and the mean change of the ensemble (n,)."""
+
+    measurement: np.ndarray
+    numerical: np.ndarray
+    calibration: np.ndarray
+    kernel: np.ndarray
+    expected: np.ndarray
+
+    @property
+    def known(self):
+        """U: everything but the error of the model."""
+        return self.measurement + self.numerical + self.calibration
+
+
+class Discount(NamedTuple):
+    """What the controls take off a gap: shift (N,), U (N, N), the learned `Discrepancy`, `everything`."""
+
+    shift: np.ndarray
+    covariance: np.ndarray
+    discrepancy: Discrepancy | None
+    everything: np.ndarray
+
+
+def uncertainty_of(library):
+    """The `Uncertainty` of a library."""
+    points = library.points
+    measurement = measurement_covariance(points, points.sensitivity(library.seen))
+    numerical = numerical_covariance(points, library.coarse, library.fine, 1.0 / REFINEMENT, ORDER)
     mean, calibration = calibration_of(library)
-    known = measurement + numerical + calibration
-    amplitude = discrepancy_amplitude(every, np.diag(calibration))
-    kernel = discrepancy_kernel(every, amplitude)
-    set_up = set_up_covariance(library)
-    expected = mean - library.coarse
-    gap = library.fine + expected - every.measured
-    learned, shift, covariance = None, np.zeros(len(points)), known[own, own]
-    everything = measurement + numerical + set_up
-    if controls:
-        wanted = np.arange(len(every)) < len(points)
-        given = ~wanted & (every.kind == "value")
-        run = every.per_point(lambda block: every.names.index(block.experiment))
-        apart = set_ups_apart(every.experiments)[np.ix_(run, run)]
-        learned = learn(every, given, gap, known, kernel, apart)
-        found = condition(given, wanted, gap, known + learned.covariance)
-        shift, covariance = found.mean, found.covariance
-        everything = everything + learned.covariance
-    compared = library.fine[own] - shift
-    rng = np.random.default_rng([seed, 1])
-    responses = own_responses(library.responses, own)
-    comparison = Comparison(covariance, kernel[own, own], responses, points)
-    evidence = comparison.evidence(compared + expected[own] - points.measured)
+    kernel = discrepancy_kernel(points, discrepancy_amplitude(points, np.diag(calibration)))
+    return Uncertainty(measurement, numerical, calibration, kernel, mean - library.coarse)
+
+
+def discount(question, library, uncertainty):
+    """The `Discount` of the controls; without controls nothing is taken off."""
+    points, count = library.points, len(question.points)
+    everything = uncertainty.measurement + uncertainty.numerical + library.set_up_covariance
+    known = uncertainty.known
+    if not question.controls:
+        return Discount(np.zeros(count), known[:count, :count], None, everything)
+    gap = library.fine + uncertainty.expected - points.measured
+    wanted = np.arange(len(points)) < count
+    given = ~wanted & (points.kind == "value")
+    run = points.per_point(lambda block: points.names.index(block.experiment))
+    apart = set_ups_apart(points.experiments)[np.ix_(run, run)]
+    learned = learn(points, given, gap, known, uncertainty.kernel, apart)
+    conditioned = condition(given, wanted, gap, known + learned.covariance)
+    return Discount(*conditioned, learned, everything + learned.covariance)
+
+
+def compare_library(question, library):
+    """The `Analysis` of a library that is there."""
+    points, uncertainty = question.points, uncertainty_of(library)
+    own = slice(0, len(points))
+    known = discount(question, library, uncertainty)
+    compared = library.fine[own] - known.shift
+    kernel, expected = uncertainty.kernel[own, own], uncertainty.expected[own]
+    responses = responses_on(library.responses, own)
+    comparison = ModelComparison(known.covariance, kernel, responses, points)
+    evidence = comparison.evidence(compared + expected - points.measured)
+    balance = mass_balance(question.experiments, library.cases)
+    rng = np.random.default_rng([question.seed, 1])
     return Analysis(
-        experiments=experiments,
-        controls=controls,
+        question=question,
         library=library,
-        points=points,
-        measurement=measurement[own, own],
-        numerical=numerical[own, own],
-        calibration=calibration[own, own],
-        covariance=covariance,
-        kernel=kernel[own, own],
-        shift=shift,
-        expected=expected[own],
-        discrepancy=learned,
-        everything=everything,
-        gap_map=gap_map(points, compared, covariance, rng),
+        measurement=uncertainty.measurement[own, own],
+        numerical=uncertainty.numerical[own, own],
+        calibration=uncertainty.calibration[own, own],
+        kernel=kernel,
+        expected=expected,
+        **known._asdict(),
+        gap_map=gap_map(points, compared, known.covariance, rng),
         comparison=comparison,
-        evidence=replace(evidence, balance=mass_balance(experiments, library.cases)),
-        seed=seed,
+        evidence=replace(evidence, balance=balance),
     )
 
 
-def own_responses(responses, own):
+def responses_on(responses, rows):
     """The responses on some of the points."""
     return {
         name: [
-            type(each)(each.levels, each.differences[:, own], each.errors[:, own]) for each in given
+            type(each)(each.levels, each.differences[:, rows], each.errors[:, rows])
+            for each in variants
         ]
-        for name, given in responses.items()
+        for name, variants in responses.items()
     }
-
-
-def calibration_of(library):
-    """Mean of the ensemble (N,) and Sigma_nu (N, N)."""
-    linear = sensitivities(library)
-    drawn = library.draws - library.draws.mean(axis=0)
-    mean = library.samples.mean(axis=0)
-    rest = library.samples - mean - drawn @ linear
-    entering = [
-        sum(name in each.experiments for each in library.quantities)
-        for name in library.points.names
-    ]
-    spare = max(len(library.draws) - 1 - max(entering), 1)
-    return calibration_covariance(library.samples, linear, rest, spare)
-
-
-def sensitivities(library):
-    """Change of the simulated values per standard deviation of each quantity, (n, N).
-
-    Least squares over the ensemble, experiment by experiment on the quantities that enter it.
-    """
-    found = np.zeros((len(library.quantities), library.samples.shape[1]))
-    for name in library.points.names:
-        own = library.points.of(name)
-        columns = [n for n, each in enumerate(library.quantities) if name in each.experiments]
-        z = library.draws[:, columns]
-        z = z - z.mean(axis=0)
-        change = library.samples[:, own] - library.samples[:, own].mean(axis=0)
-        normal = z.T @ z + RIDGE * np.eye(len(columns))
-        found[columns, own] = np.linalg.solve(normal, z.T @ change)
-    return found
-
-
-def set_up_covariance(library):
-    """Part of Sigma_nu that comes from the set-up and not from the material, (N, N)."""
-    rows = [each.key not in CALIBRATED for each in library.quantities]
-    own = sensitivities(library)[rows]
-    return own.T @ own

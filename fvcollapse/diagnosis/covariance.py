@@ -16,6 +16,8 @@ Stat. Appl. Genet. Mol. Biol. 4, 32 (shrinkage of the correlation).
 
 import numpy as np
 
+from fvcollapse.measure.quantities import HEIGHTS, QUANTITIES
+
 SMALLEST = (
     1.0e-3  # a standard deviation of 0 is read as this part of the largest value of the curve
 )
@@ -27,8 +29,6 @@ INSENSITIVE = 1.0
 LENGTH_X, LENGTH_T = 0.15, 0.30  # correlation lengths of the discrepancy in lengths and durations
 AT_REST = 1.2  # durations after which nothing changes any more
 BETWEEN_RUNS = 0.5  # correlation of the discrepancies of two runs
-# observables with one discrepancy, and where a scalar stands on its curve: (share of length, at rest)
-SAME_CURVE = {"runout": "front", "final_height": "profiles"}
 
 
 def measurement_covariance(points, sensitivity):
@@ -46,7 +46,7 @@ def measurement_covariance(points, sensitivity):
         Of a simulation on these points (`points.sensitivity`).
     """
     covariance = np.diag(floored(points) ** 2)
-    heights = np.isin(points.observable, ("profiles", "interface", "final_height"))
+    heights = np.isin(points.observable, HEIGHTS)
     for experiment in points.experiments:
         own = points.of(experiment)
         geometry = experiment.settings.geometry
@@ -200,7 +200,13 @@ def discrepancy_kernel(points, amplitude):
             moment[own] = np.minimum(block.time / run.duration, AT_REST) / LENGTH_T
     distance = np.hypot(place[:, None] - place, moment[:, None] - moment)
     matern = (1.0 + np.sqrt(3.0) * distance) * np.exp(-np.sqrt(3.0) * distance)
-    curve = points.per_point(lambda block: SAME_CURVE.get(block.observable, block.observable))
+    curve = points.per_point(lambda block: discrepancy_of(block.observable))
     run = points.experiment
     between = np.where(run[:, None] == run, 1.0, BETWEEN_RUNS)
     return (curve[:, None] == curve) * between * matern * np.outer(amplitude, amplitude)
+
+
+def discrepancy_of(observable):
+    """The observable whose model error this one shares: itself, or the curve that a number belongs to."""
+    quantity = QUANTITIES.get(observable)
+    return quantity.discrepancy if quantity is not None and quantity.discrepancy else observable

@@ -1,8 +1,11 @@
-"""Where simulation and experiment differ, which effect causes it, and how far the gap shrinks with it."""
+"""Where simulation and experiment differ, which effect causes it, and how far the gap shrinks with it.
+
+Six stages: `ask` reads and checks the question, `analyse` runs and compares, `judge` gives the verdict, `climb` adds
+the effect to the solver, `choices` plans the next experiment, `report_of` writes down the results.
+"""
 
 import dataclasses
 import time
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -10,26 +13,25 @@ from msgspec.structs import replace
 
 from fvcollapse.case.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.effect_library import (
-    DRAWS,
-    Runner,
-    applicable_effects,
-    baseline_cases,
-)
-from fvcollapse.diagnosis.findings import report_of
+from fvcollapse.diagnosis.ladder import climb
+from fvcollapse.diagnosis.library import DRAWS
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.oddities import oddities_of, tell
-from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.diagnosis.reduction import climb
-from fvcollapse.diagnosis.report import FILE_NAME, Cost, read_report, write_report
-from fvcollapse.diagnosis.report_page import FIGURES, PAGE, write_page
-from fvcollapse.diagnosis.verdict import VerdictModel, verdict
+from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.record import recorded
+from fvcollapse.diagnosis.report.findings import report_of
+from fvcollapse.diagnosis.report.page import FIGURES, PAGE, write_page
+from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, write_report
+from fvcollapse.diagnosis.report.schema import Cost
+from fvcollapse.diagnosis.runner import Runner
+from fvcollapse.diagnosis.verdict import verdict
+from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
-from fvcollapse.output.question import case_question, claim_folder
+from fvcollapse.output.question import claim_folder
 from fvcollapse.studies.workers import refuse_workers
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
@@ -55,14 +57,14 @@ def diagnose(
     """Diagnose the gap between experiments and the model that is believed.
 
     All runs go through the cache of runs: an interrupted diagnosis continues where it was with the same
-    call, and the next one with the same set-up finds most of its runs done. What is odd about an experiment
+    call, and the next one with the same set-up reuses most of its runs. Each implausible number of an experiment
     is one line on stderr, before anything is run, and stands in the report.
 
     Parameters
     ----------
     experiments, hold_out, controls : sequences of Experiment, or of folders
-        Those to fit; those that only test what was found; those in which nothing is hidden, which teach
-        the discrepancy of the model.
+        Those to fit; those that only test the answer; those in which nothing is hidden, which calibrate
+        the model error.
     case : Case or path, optional
         What is believed; without it the defaults with the set-up of each experiment, no effects.
     effects : sequence of str, optional
@@ -93,54 +95,62 @@ def diagnose(
         The baseline fails.
     """
     start = time.perf_counter()
-    experiments, hold_out, controls = map(load_all, (experiments, hold_out, controls))
-    if not experiments:
-        raise InputError("command line", "EXPERIMENT", "none", "one experiment or more")
-    if seed < 0:
-        raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
-    choose_points((*experiments, *hold_out, *controls))  # refuses what is given twice
-    warnings = oddities_of((*experiments, *hold_out, *controls))
-    if case is not None and not isinstance(case, Case):
-        case = load_case(case)
+    question = ask(experiments, hold_out, controls, case, cell_size, seed)
+    warnings = oddities_of((*question.experiments, *question.held_out, *question.controls))
     if folder is not None:
         refuse_workers(workers)
-        asked = question(experiments, hold_out, controls, case, effects, cell_size)
-        claim_folder(folder, "diagnose", asked | {"seed": seed, "draws": draws}, force)
+        claim_folder(folder, "diagnose", recorded(question, effects, draws), force)
         make_folder(folder, FILE_NAME, PAGE)
         make_folder(Path(folder) / FIGURES)
     tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
-    analysis = analyse(
-        experiments,
-        runner,
-        case,
-        effects=effects,
-        controls=controls,
-        cell_size=cell_size,
-        draws=draws,
-        seed=seed,
-    )
-    model = verdict_model_for(analysis)
-    analysis, known = with_known(analysis, model)
-    answer = verdict(analysis.evidence, model, analysis.separability, known)
-    winner, runner_up = contenders(analysis, answer)
-    ladder = climb(analysis, runner, winner, runner_up, hold_out, case, cell_size)
-    following = choices(analysis, answer.probability, runner)
-    first = experiments[0]
-    coarse = analysis.library.cases[first.name].grid.cell_size
-    cost = Cost(
-        solver_runs=len(runner.asked),
-        wall_time_s=time.perf_counter() - start,
-        cell_size=coarse,
-        cached_runs=len(runner.asked - runner.computed),
-    )
-    baseline = baseline_cases([first], case, cell_size)[first.name]
-    report = report_of(analysis, answer, ladder, following, baseline, cost, model)
+    analysis = analyse(question, runner, effects=effects, draws=draws)
+    analysis, judged, model = judge(analysis)
+    ladder = climb(analysis, runner, *contenders(analysis, judged))
+    following = choices(analysis, judged.probability, runner)
+    cost = cost_of(question, runner, time.perf_counter() - start)
+    report = report_of(analysis, judged, ladder, following, cost, model)
     report = replace(report, warnings=warnings)
     if folder is not None:
         report = read_report(write_report(report, folder))
         write_page(report, folder)
     return report
+
+
+def ask(experiments, hold_out, controls, case, cell_size, seed):
+    """The `Question`, its input read and checked; parameters as for `diagnose`.
+
+    Raises
+    ------
+    InputError
+    """
+    experiments, hold_out, controls = map(load_all, (experiments, hold_out, controls))
+    if not experiments:
+        raise InputError("command line", "EXPERIMENT", "none", "one experiment or more")
+    if seed < 0:
+        raise InputError("command line", "--seed", str(seed), "0, 1, 2, …")
+    if case is not None and not isinstance(case, Case):
+        case = load_case(case)
+    question = Question(experiments, hold_out, controls, case, cell_size, seed)
+    question.check()
+    return question
+
+
+def judge(analysis):
+    """(`Analysis` with all pairs that were opened, its `Verdict`, the `VerdictModel` or None)."""
+    model = verdict_model_for(analysis)
+    analysis, known = with_known(analysis, model)
+    return analysis, verdict(analysis.evidence, model, analysis.separability, known), model
+
+
+def cost_of(question, runner, seconds):
+    """The `Cost` of a diagnosis that took some seconds."""
+    return Cost(
+        solver_runs=len(runner.asked),
+        wall_time_s=seconds,
+        cell_size=question.baseline.grid.cell_size,
+        cached_runs=len(runner.asked - runner.computed),
+    )
 
 
 def verdict_model_for(analysis):
@@ -166,34 +176,8 @@ def with_known(analysis, model):
 def load_all(experiments):
     """Experiments, read where a folder is given."""
     return tuple(
-        one if isinstance(one, Experiment) else load_experiment(one) for one in experiments
+        given if isinstance(given, Experiment) else load_experiment(given) for given in experiments
     )
-
-
-def question(experiments, hold_out, controls, case, effects, cell_size):
-    """What a diagnosis depends on, beside numbers; see `fvcollapse.output.question`.
-
-    Raises
-    ------
-    InputError
-        There is no effect, or no grid, of this kind.
-    """
-    baseline_cases(controls, case, cell_size)
-    applicable_effects(baseline_cases(experiments, case, cell_size), effects)
-    groups = {"experiments": experiments, "hold_out": hold_out, "controls": controls}
-    told = {name: [[one.name, digest(one)] for one in group] for name, group in groups.items()}
-    told |= {"effects": effects and list(effects), "cell_size": cell_size}
-    return told | ({} if case is None else case_question(case))
-
-
-def digest(experiment):
-    """Digest of all that an experiment states and measured."""
-    found = sha256(repr((experiment.settings, experiment.scalars)).encode())
-    for name, curve in sorted(experiment.curves.items()):
-        found.update(name.encode())
-        for column in curve:
-            found.update(b"" if column is None else np.ascontiguousarray(column).tobytes())
-    return found.hexdigest()[:16]
 
 
 def contenders(analysis, answer):

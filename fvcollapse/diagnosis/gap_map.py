@@ -33,17 +33,6 @@ THRESHOLD = 2.0  # |z| inside the validation uncertainty
 FALSE_ALARM = 0.05
 NULLS = 2000
 REACH = 0.75  # of the spacing of the places: neighbours at successive moments
-# observable: (name in words, positive gap, negative gap, unit in words, factor)
-WORDS = {
-    "front": ("front", "too far", "not far enough", "cm", 100.0),
-    "profiles": ("thickness", "too large", "too small", "mm", 1000.0),
-    "volume": ("volume", "too large", "too small", "% of the column", 100.0),
-    "interface": ("static-flowing interface", "too high", "too low", "mm", 1000.0),
-    "runout": ("runout", "too far", "not far enough", "cm", 100.0),
-    "final_height": ("final height", "too large", "too small", "mm", 1000.0),
-    "time_stop": ("stop", "too late", "too early", "s", 1.0),
-    "peak_front_velocity": ("peak velocity of the front", "too high", "too low", "m/s", 1.0),
-}
 
 
 class Region(NamedTuple):
@@ -64,7 +53,6 @@ class Region(NamedTuple):
     significance: float
     p_value: float
     points: np.ndarray
-    text: str
 
 
 class Share(NamedTuple):
@@ -105,8 +93,6 @@ class GapMap:
         Points at a false discovery rate of 5 %.
     shares : tuple of Share
     by_observable : tuple of Level
-    lines : tuple of str
-        The regions in plain words, or that there is none.
     """
 
     gap: np.ndarray
@@ -116,7 +102,6 @@ class GapMap:
     discoveries: np.ndarray
     shares: tuple
     by_observable: tuple
-    lines: tuple
 
 
 def gap_map(points, simulated, covariance, rng):
@@ -140,11 +125,8 @@ def gap_map(points, simulated, covariance, rng):
     p = norm.sf(np.abs(z)) * np.where(one_sided, 1.0, 2.0)
     discoveries = false_discovery_control(p, method="by") <= FALSE_ALARM
     shares = shares_of(points, gap, covariance)
-    lines = tuple(f"{region.experiment}: {region.text}" for region in regions)
-    if not lines:
-        lines = ("no gap beyond the combined uncertainty",)
     levels = (*levels_of(points, gap, uncertainty), *levels_of(points, gap, uncertainty, True))
-    return GapMap(gap, uncertainty, z, regions, discoveries, shares, levels, lines)
+    return GapMap(gap, uncertainty, z, regions, discoveries, shares, levels)
 
 
 def beyond_bounds(points, difference):
@@ -177,7 +159,7 @@ def significant_regions(points, gap, z, covariance, rng):
         if p_value <= FALSE_ALARM:
             regions.append(region_of(block, members, gap, covariance, p_value))
     regions.sort(key=lambda region: (region.p_value, -abs(region.significance)))
-    return with_words(points, regions)
+    return tuple(regions)
 
 
 def probability(mass, largest):
@@ -224,7 +206,7 @@ def clusters(z, edges):
 
 
 def region_of(block, members, gap, covariance, p_value):
-    """The `Region` of some points of a block, without its words."""
+    """The `Region` of some points of a block."""
     inside = members - block.start
     time, x = block.time[inside], block.x[inside]
     t_range = None if np.isnan(time).any() else (float(time.min()), float(time.max()))
@@ -233,62 +215,8 @@ def region_of(block, members, gap, covariance, p_value):
     deviation = float(np.sqrt(covariance[np.ix_(members, members)].mean()))
     return Region(
         *(block.experiment, block.observable, block.units, t_range, x_range, mean, deviation),
-        *(mean / deviation, float(p_value), members, ""),
+        *(mean / deviation, float(p_value), members),
     )
-
-
-def with_words(points, regions):
-    """The regions with their lines; the earliest of a run also says when nothing is significant."""
-    told = []
-    for region in regions:
-        block = next(
-            block for block in points.blocks if block.start <= region.points[0] < block.stop
-        )
-        text = words_of(region, block)
-        starts = [
-            each.t_range[0]
-            for each in regions
-            if each.experiment == region.experiment and each.t_range
-        ]
-        if (
-            region.t_range
-            and region.t_range[0] == min(starts)
-            and region.t_range[0] > first_time(points, region.experiment)
-        ):
-            text += f"; nothing significant before {region.t_range[0]:.2f} s"
-        told.append(region._replace(text=text))
-    return tuple(told)
-
-
-def first_time(points, experiment):
-    """Time of the first point of a run."""
-    return float(np.nanmin(points.time[points.of(experiment)]))
-
-
-def words_of(region, block):
-    """One line: what, how much, in which direction, where and when."""
-    name, more, less, unit, factor = WORDS[region.observable]
-    direction = more if region.gap > 0.0 else less
-    size, doubt = factor * abs(region.gap), factor * region.uncertainty
-    decade = int(np.floor(np.log10(doubt)))
-    digits = max(
-        0, -decade + (doubt < 2.0 * 10.0**decade)
-    )  # one figure of the doubt, two from 10 to 19
-    text = f"{name} {size:.{digits}f} ± {doubt:.{digits}f} {unit} {direction}"
-    if block.kind != "value":
-        text += f" (beyond the {block.kind} bound)"
-    if region.x_range:
-        text += f", X = {region.x_range[0]:.2f} to {region.x_range[1]:.2f} m"
-    if region.t_range:
-        start, stop = region.t_range
-        last = float(np.max(block.time))
-        if start == stop:
-            text += f" at {start:.2f} s"
-        elif stop == last:
-            text += f" from {start:.2f} s on"
-        else:
-            text += f" from {start:.2f} to {stop:.2f} s"
-    return text
 
 
 def shares_of(points, gap, covariance):

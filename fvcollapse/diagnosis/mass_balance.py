@@ -5,8 +5,8 @@
 with the measured relative change of volume V and phi the part of the grains that is beyond the gate. Where the column
 is the one that is stated and V is right, both are zero however the grains move. A wrong scale shifts B from the first
 frame on. A camera at the wall or above the middle, where grains move slower or faster than the mean of the width
-(`transverse_profile`), sees what has passed the gate stretched by view factor - 1. Beside simulated profiles this
-hides in the discrepancy.
+(`transverse_profile`), sees what has passed the gate stretched by view factor - 1. A comparison with
+simulated profiles cannot see this error: the discrepancy term absorbs it.
 
 What it cannot do: a volume that was read off the same profiles balances whatever the view, so that agreement is
 no evidence against one; grains lost unseen look like a view from the wall; heights read vertically, and

@@ -17,11 +17,8 @@ Box & Hill (1967), Technometrics 9, 57; Meyer, Steinberg & Box (1996), Technomet
 """
 
 from dataclasses import replace
-from math import inf
-from pathlib import Path
 from typing import NamedTuple
 
-import msgspec
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import logsumexp
@@ -31,13 +28,15 @@ from fvcollapse.diagnosis.covariance import (
     discrepancy_kernel,
     measurement_covariance,
 )
-from fvcollapse.diagnosis.effect_library import acts_in, with_nuisances
+from fvcollapse.diagnosis.levels import acts_in
 from fvcollapse.diagnosis.names import UNKNOWN, effects_of
-from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.next_candidates import Candidate, candidates, set_up
+from fvcollapse.diagnosis.nuisances import with_nuisances
+from fvcollapse.diagnosis.point_choice import choose_points
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.align import align_curve
-from fvcollapse.measure.curves import FORMS, Curve
-from fvcollapse.measure.experiment import Experiment
+from fvcollapse.measure.curves import Curve
+from fvcollapse.measure.quantities import CURVES
 
 MOST_HYPOTHESES = 3
 LEAST_PROBABILITY = 0.02  # of a hypothesis that is worth separating
@@ -47,21 +46,6 @@ MOST_REPEATS = 20
 DRAWS = 4000  # of simulated outcomes
 FRAME, PLACE = 0.02, 0.01  # s, m between the simulated readings
 LEAST_THICKNESS = 1.0e-3  # m; thinner places are read as bare
-SLOPES = (-6.0, 6.0)  # deg, from the slope that was measured
-SLOPE_RANGE = (0.0, 24.0)
-WIDTHS = (0.5, 2.0)  # times the channel width that was measured
-HEIGHT = 1.5  # times the height of the column
-
-
-class Candidate(NamedTuple):
-    """A set-up: what is changed in words, {key: value}, observables measured.
-
-    The keys have the same names in the case and in the experiment.
-    """
-
-    words: str
-    changes: dict
-    observables: tuple
 
 
 class Choice(NamedTuple):
@@ -154,43 +138,6 @@ def mu_1_of(analysis, reference):
     return None
 
 
-def candidates(reference, base):
-    """The `Candidate`s around an experiment."""
-    measured = tuple(reference.curves) or ("front",)
-    geometry, found = base.geometry, []
-    missing = tuple(name for name in FORMS if name not in measured)
-    if missing:
-        words = f"the same set-up as {reference.name}, with {' and '.join(missing)} measured too"
-        found.append(Candidate(words, {}, (*measured, *missing)))
-    for step in SLOPES:
-        slope = float(np.clip(geometry.slope_angle_deg + step, *SLOPE_RANGE))
-        if abs(slope - geometry.slope_angle_deg) > 0.5 * abs(step):
-            words = f"as {reference.name}, at {slope:g}\N{DEGREE SIGN}"
-            found.append(Candidate(words, {"geometry.slope_angle_deg": slope}, measured))
-    if geometry.channel_width < inf:
-        for factor in WIDTHS:
-            width = factor * geometry.channel_width
-            words = f"as {reference.name}, in a channel {100 * width:g} cm wide"
-            found.append(Candidate(words, {"geometry.channel_width": width}, measured))
-    if 0.0 < base.gate.speed < inf:
-        words = f"as {reference.name}, with the gate removed as fast as possible"
-        found.append(Candidate(words, {"gate.speed": inf, "gate.time_constant": 0.0}, measured))
-    height = HEIGHT * geometry.height_0
-    words = f"as {reference.name}, from a column {100 * height:g} cm high"
-    found.append(Candidate(words, {"geometry.height_0": height}, measured))
-    return found
-
-
-def set_up(reference, candidate):
-    """The `Experiment` of a candidate, without any measurement yet."""
-    settings = reference.settings
-    for path, value in candidate.changes.items():
-        section, _, name = path.partition(".")
-        part = msgspec.structs.replace(getattr(settings, section), **{name: value})
-        settings = msgspec.structs.replace(settings, **{section: part})
-    return Experiment(Path("candidate"), settings, {}, ())
-
-
 def with_hypothesis(case, analysis, name):
     """The case with the effects of a hypothesis at the level of the library nearest to their values."""
     changes, first = {}, 0
@@ -281,11 +228,10 @@ def with_readings(experiment, observables, observed, end):
     places = np.arange(0.5 * PLACE, 1.1 * float(observed.front[:, 1].max()), PLACE)
     curves = {}
     for name in observables:
-        form = FORMS[name]
-        grid = len(form.columns) == 3
+        grid = CURVES[name].is_profile
         time = np.repeat(frames, len(places)) if grid else frames
         x = np.tile(places, len(frames)) if grid else None
-        sigma = np.full(len(time), experiment.standard_deviation(form.uncertainty))
+        sigma = np.full(len(time), experiment.standard_deviation(CURVES[name].uncertainty))
         curves[name] = Curve(time, x, np.zeros(len(time)), sigma)
     read = replace(experiment, curves=curves)
     for name, curve in curves.items():

@@ -47,19 +47,3 @@ def tell(warnings):
     """Write each `Oddity` as one line to stderr."""
     for each in warnings:
         print(f"warning: {' '.join(each.line().split())}", file=sys.stderr)
-
-
-def unseen_origins(experiments):
-    """What the measurements cannot show of the origin of X; one sentence, or none."""
-    alone = [
-        one.name
-        for one in experiments
-        if not {"front", "profiles"} & set(one.curves)
-        and any(scalar.name == "runout" for scalar in one.scalars)
-    ]
-    if not alone:
-        return []
-    return [
-        f"The run-out of {', '.join(alone)} stands alone: without a front or a profile at the start nothing shows "
-        "whether X was counted from the back wall, as it must be, or from the gate."
-    ]

@@ -1,45 +1,21 @@
-"""The points at which simulation and measurement are compared, about 200 for each experiment.
+"""The points at which simulation and measurement are compared.
 
 All experiments and all observables are stacked into one vector. Both sides go through the same
-observation operator (`fvcollapse.observe`) and the same interpolation (`fvcollapse.measure.align`). A dense film
-is thinned to single measured points, not averaged: what neighbouring points share is the matter of
-the covariance.
-
-Phases of a collapse, by the share of its whole advance that the front has covered for the first time:
-release up to 10 %, spreading up to 80 %, arrest up to 98 %, then deposit. Without a measured front the
-edge of the measured profiles serves; without both, the times 1, 2.5 and 3.5 sqrt(height_0 / g).
+observation operator (`fvcollapse.observe`) and the same interpolation (`fvcollapse.measure.align`).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.case.case import GRAVITY
-from fvcollapse.errors import InputError
 from fvcollapse.measure.align import align, align_curve
-from fvcollapse.measure.curves import FORMS, Curve
-from fvcollapse.measure.observables import SCALAR_UNITS, front_position
+from fvcollapse.measure.curves import Curve
+from fvcollapse.measure.quantities import CURVES, QUANTITIES
 
 PHASES = ("release", "spreading", "arrest", "deposit")
-ADVANCE = (0.10, 0.80, 0.98)  # share of the advance of the front at which a phase ends
-FREE_FALLS = (1.0, 2.5, 3.5)  # the same in sqrt(height_0 / g), where no front was measured
-SCALAR_PHASES = {
-    "runout": "deposit",
-    "final_height": "deposit",
-    "time_stop": "arrest",
-    "peak_front_velocity": "spreading",
-}
-# shares of a phase at which a profile is taken: the moment t = 0 tells nothing
-MOMENTS = {
-    "profiles": ((0, 0.7), (1, 0.2), (1, 0.6), (2, 0.0), (2, 0.5), (3, 0.0), (3, 1.0)),
-    "interface": ((0, 0.7), (1, 0.1), (1, 0.4), (1, 0.7), (2, 0.0)),  # at rest it is the surface
-}
-PLACES = {"profiles": 22, "interface": 8}
-TIMES = {"front": (20, 5), "volume": (8, 2)}  # until the front stops, and after
 STEP = 0.01  # of duration and length: half the span of the differences for `Sensitivity`
-# change of a scalar per second of the clock and per metre of the origin, as in `Sensitivity`
-SCALAR_SHIFTS = {"runout": (0.0, 1.0), "time_stop": (1.0, 0.0)}
 
 
 class Block(NamedTuple):
@@ -107,6 +83,27 @@ class Points:
         own = [block for block in self.blocks if block.experiment == name]
         return slice(own[0].start, own[-1].stop)
 
+    def part(self, name):
+        """The `Points` of one experiment, alone."""
+        rows = self.of(name)
+        blocks = tuple(
+            block._replace(start=block.start - rows.start, stop=block.stop - rows.start)
+            for block in self.blocks
+            if block.experiment == name
+        )
+        return Points(
+            tuple(experiment for experiment in self.experiments if experiment.name == name),
+            blocks,
+            self.measured[rows],
+            self.sigma[rows],
+            tuple(run for run in self.runs if run.name == name),
+        )
+
+    @cached_property
+    def parts(self):
+        """{name of an experiment: its `Points`}."""
+        return {name: self.part(name) for name in self.names}
+
     def run(self, block):
         """The `Run` a block belongs to."""
         return next(run for run in self.runs if run.name == block.experiment)
@@ -147,8 +144,8 @@ class Points:
         return np.concatenate([self._phase_of(block) for block in self.blocks])
 
     def _phase_of(self, block):
-        if block.observable in SCALAR_PHASES:
-            return np.array([SCALAR_PHASES[block.observable]])
+        if QUANTITIES[block.observable].phase:
+            return np.array([QUANTITIES[block.observable].phase])
         # side left: the moment at which a phase ends belongs to it
         return np.array(PHASES)[np.searchsorted(self.run(block).phase_ends, block.time)]
 
@@ -175,7 +172,7 @@ class Points:
         """The experiment with its curves cut down to the points."""
         curves = {}
         for block in self.blocks:
-            if block.experiment == experiment.name and block.observable in FORMS:
+            if block.experiment == experiment.name and block.observable in CURVES:
                 own = slice(block.start, block.stop)
                 x = None if np.isnan(block.x).all() else block.x
                 curves[block.observable] = Curve(block.time, x, self.measured[own], self.sigma[own])
@@ -201,10 +198,9 @@ class Points:
                 if block.experiment != run.name:
                     continue
                 own, name = slice(block.start, block.stop), block.observable
-                clock[own], origin[own] = SCALAR_SHIFTS.get(name, (0.0, 0.0))
-                if name in FORMS:
+                clock[own], origin[own] = QUANTITIES[name].clock, QUANTITIES[name].origin
+                if name in CURVES:
                     clock[own] = -slope_of(seen, thinned, name, "time", STEP * run.duration)
-                    origin[own] = 1.0 if name == "front" else 0.0
                     if thinned.curves[name].x is not None:
                         origin[own] = -slope_of(seen, thinned, name, "x", STEP * run.length)
         return Sensitivity(clock, origin)
@@ -230,155 +226,3 @@ def slope_of(observations, thinned, name, axis, step):
         shifted = replace(thinned, curves={name: moved})
         sides.append(align_curve(observations, shifted, name).simulated)
     return (sides[1] - sides[0]) / (2.0 * step)
-
-
-def choose_points(experiments):
-    """The points of several experiments.
-
-    Profiles are taken at seven moments of the collapse and about 22 places, the interface at five and
-    eight, front and volume at 25 and 10 times, two thirds of them before the front has stopped; scalars
-    all. Of several points that were measured the nearest is taken.
-
-    Parameters
-    ----------
-    experiments : sequence of Experiment
-
-    Returns
-    -------
-    Points
-
-    Raises
-    ------
-    InputError
-        Two experiments of the same name, or with the same curves.
-    """
-    experiments = tuple(experiments)
-    names = [experiment.name for experiment in experiments]
-    for experiment in experiments:
-        if names.count(experiment.name) > 1:
-            alike = [one.folder.resolve() for one in experiments if one.name == experiment.name]
-            if len(set(alike)) < len(alike):
-                allowed = "each folder once: fitted, held out or a control"
-                raise InputError(experiment.folder, "folder", "it is given twice", allowed)
-            twice = f"the name {experiment.name} twice"
-            raise InputError(experiment.folder, "folder", twice, "folders of different names")
-    refuse_copies(experiments)
-    blocks, measured, sigma, runs, start = [], [], [], [], 0
-    for experiment in experiments:
-        run = run_of(experiment)
-        for name, units, kind, curve in (*chosen_curves(experiment, run), *scalars(experiment)):
-            stop = start + len(curve.value)
-            x = np.full(len(curve.value), np.nan) if curve.x is None else curve.x
-            blocks.append(Block(run.name, name, units, curve.time, x, kind, start, stop))
-            measured.append(curve.value)
-            sigma.append(curve.sigma)
-            start = stop
-        runs.append(run)
-    return Points(
-        experiments, tuple(blocks), np.concatenate(measured), np.concatenate(sigma), tuple(runs)
-    )
-
-
-def refuse_copies(experiments):
-    """The same curve under two names is no second experiment (single numbers, or nothing but zeros, may agree).
-
-    Raises
-    ------
-    InputError
-        A curve of two experiments has the same times, places and values.
-    """
-    seen = {}
-    for experiment in experiments:
-        for name, curve in experiment.curves.items():
-            if np.ptp(curve.value) == 0.0:
-                continue
-            content = name, *(None if part is None else part.tobytes() for part in curve[:3])
-            if (other := seen.setdefault(content, experiment)) is not experiment:
-                allowed = "each experiment once: fitted, held out or a control"
-                raise InputError(experiment.folder, name, f"the curve of {other.name}", allowed)
-
-
-def scalars(experiment):
-    """(name, units, kind, Curve of one point) of each measured number."""
-    for each in experiment.scalars:
-        value, sigma = np.array([each.value]), np.array([each.sigma])
-        curve = Curve(np.array([np.nan]), None, value, sigma)
-        yield each.name, SCALAR_UNITS[each.name], each.kind, curve
-
-
-def chosen_curves(experiment, run):
-    """(name, units, kind, Curve) of each measured curve, thinned."""
-    for name, curve in experiment.curves.items():
-        if curve.x is None:
-            rows = chosen_times(curve.time, run, *TIMES[name])
-        else:
-            rows = chosen_places(curve, run, MOMENTS[name], PLACES[name])
-        x = None if curve.x is None else curve.x[rows]
-        thinned = Curve(curve.time[rows], x, curve.value[rows], curve.sigma[rows])
-        yield name, FORMS[name].units, "value", thinned
-
-
-def nearest(values, targets):
-    """Indices, increasing and each once, of the values nearest to the targets."""
-    values = np.asarray(values)
-    return np.unique([int(np.argmin(np.abs(values - target))) for target in targets])
-
-
-def chosen_times(time, run, moving, resting):
-    """Rows of a curve over time: `moving` of them until the front stops and `resting` after."""
-    stop = min(max(run.duration, time[0]), time[-1])
-    before = np.linspace(time[0], stop, moving + 1)[1:]
-    after = np.linspace(stop, time[-1], resting + 1)[1:]
-    return nearest(time, [*before, *after])
-
-
-def chosen_places(curve, run, moments, places):
-    """Rows of a curve over time and place: at some moments, near `places` even abscissae."""
-    ends = (0.0, *run.phase_ends, max(run.duration, curve.time[-1]))
-    targets = [ends[phase] + share * (ends[phase + 1] - ends[phase]) for phase, share in moments]
-    times = np.unique(curve.time)
-    edges = np.linspace(curve.x.min(), curve.x.max(), places + 1)
-    centres = 0.5 * (edges[:-1] + edges[1:])
-    rows = []
-    for time in times[nearest(times, targets)]:
-        row = np.flatnonzero(curve.time == time)
-        inside = centres[centres <= curve.x[row[-1]] + 0.5 * (edges[1] - edges[0])]
-        rows.append(row[nearest(curve.x[row], inside)] if len(inside) else row[:1])
-    return np.concatenate(rows)
-
-
-def run_of(experiment):
-    """The scales of an experiment."""
-    geometry = experiment.settings.geometry
-    front = measured_front(experiment)
-    length = max([geometry.length_0, *front[:, 1]])
-    for name in ("profiles", "interface"):
-        if name in experiment.curves:
-            length = max(length, float(experiment.curves[name].x.max()))
-    runouts = [each.value for each in experiment.scalars if each.name == "runout"]
-    length = max([length, *runouts])
-    return Run(experiment.name, float(length), phase_ends(front, geometry))
-
-
-def measured_front(experiment):
-    """(n, 2) time and position of the front: as measured, else the edge of the profiles."""
-    curves = experiment.curves
-    if "front" in curves:
-        return np.column_stack([curves["front"].time, curves["front"].value])
-    if "profiles" not in curves:
-        return np.empty((0, 2))
-    time, x, h, _ = curves["profiles"]
-    threshold = experiment.case().front.thickness
-    rows = [(moment, time == moment) for moment in np.unique(time)]
-    return np.array([(t, front_position(x[row], h[row], threshold)) for t, row in rows])
-
-
-def phase_ends(front, geometry):
-    """Times at which release, spreading and arrest end [s]; see the head of this module."""
-    if len(front) > len(ADVANCE):
-        reach = np.maximum.accumulate(np.maximum(front[:, 1], geometry.length_0))
-        share = (reach - geometry.length_0) / max(reach[-1] - geometry.length_0, 1.0e-12)
-        if share[-1] > 0.0:
-            return tuple(float(front[np.argmax(share >= end), 0]) for end in ADVANCE)
-    fall = float(np.sqrt(geometry.height_0 / GRAVITY))
-    return tuple(fall * multiple for multiple in FREE_FALLS)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.sparse.csgraph import connected_components
 
-from fvcollapse.diagnosis.evidence import span_of
+from fvcollapse.diagnosis.likelihood import span_of
 
 DISCREPANCY = 0.2
 EQUIVALENT = 3.0  # d^2 below which two effects are one to these data
@@ -113,7 +113,7 @@ def null_test(samples, mean, comparison, measurement, rng):
         Of the ensemble.
     mean : (N,) array
         Its mean.
-    comparison : Comparison
+    comparison : ModelComparison
     measurement : (N, N) array
         Sigma_D.
     rng : numpy.random.Generator

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fvcollapse.errors import InputError
-from fvcollapse.measure.curves import FORMS
-from fvcollapse.measure.observables import SCALAR_UNITS
+from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
 
 SAME_TIME = 1.0e-9  # s
 
@@ -63,7 +62,7 @@ def align(observations, experiment):
     Returns
     -------
     list of Aligned
-        Curves in the order of `FORMS`, then scalars. A simulation at rest keeps its last value; one
+        Curves in the order of `quantities.CURVES`, then scalars. A simulation at rest keeps its last value; one
         that is still moving stops, for `time_stop`, at its end at the earliest.
 
     Raises
@@ -94,8 +93,8 @@ def align_curve(observations, experiment, name):
     else:
         simulated = on_points(*as_grid(rows), curve.time, curve.x)
     place = np.full(len(curve.time), np.nan) if curve.x is None else curve.x
-    form = FORMS[name]
-    return Aligned(name, form.units, curve.time, place, curve.value, simulated, curve.sigma)
+    unit = CURVES[name].unit
+    return Aligned(name, unit, curve.time, place, curve.value, simulated, curve.sigma)
 
 
 def as_grid(rows):

@@ -14,29 +14,15 @@ import numpy as np
 from fvcollapse.case.grammar import closest_name, read_text
 from fvcollapse.errors import InputError
 from fvcollapse.files.plain_numbers import decimal_number
+from fvcollapse.measure.quantities import CURVES
 
 KINDS = ("value", "upper", "lower")
 ROWS_MAX = 5_000_000  # more is a wrong file
 
 
-class Form(NamedTuple):
-    """The columns of one kind of curve."""
-
-    columns: tuple  # t_s, and x_m if there is one, and the value
-    sigma: str  # optional column of the standard deviation
-    units: str
-    uncertainty: str  # key of [uncertainty] that holds where there is no such column
-
-
-FORMS = {
-    "front": Form(("t_s", "x_front_m"), "sigma_m", "m", "front"),
-    "profiles": Form(("t_s", "x_m", "h_m"), "sigma_m", "m", "thickness"),
-    "volume": Form(("t_s", "relative_volume_change"), "sigma", "1", "relative_volume"),
-    "interface": Form(("t_s", "x_m", "z_static_m"), "sigma_m", "m", "interface"),
-}
 SCALARS = "scalars"
 SCALAR_COLUMNS = ("name", "value", "sigma", "kind")
-CSV_FILES = (*FORMS, SCALARS)
+CSV_FILES = (*CURVES, SCALARS)
 
 
 class Curve(NamedTuple):
@@ -64,7 +50,7 @@ def read_curve(path, name, sigma):
     ----------
     path : Path
     name : str
-        Key of `FORMS`.
+        Key of `quantities.CURVES`.
     sigma : float
         Standard deviation where the file has no column for it.
 
@@ -74,19 +60,25 @@ def read_curve(path, name, sigma):
         A column that is missing or unknown, a value that is not finite, times that do not increase,
         or, within one time, abscissae that do not; a standard deviation that is not positive.
     """
-    form = FORMS[name]
-    lines, header, rows = read_rows(path, form.columns, (form.sigma,))
+    quantity = CURVES[name]
+    lines, header, rows = read_rows(path, quantity.columns, (quantity.sigma_column,))
     numbers = {
         column: np.array([number(path, column, *at) for at in zip(lines, cells, strict=True)])
         for column, cells in zip(header, zip(*rows, strict=True), strict=True)
     }
-    time, *places, value = (numbers[column] for column in form.columns)
-    refuse_disorder(path, form.columns, time, places, lines)
-    spread = numbers.get(form.sigma)
+    time, *places, value = (numbers[column] for column in quantity.columns)
+    refuse_disorder(path, quantity.columns, time, places, lines)
+    spread = numbers.get(quantity.sigma_column)
     if spread is None:
         spread = np.full(len(time), float(sigma))
     elif (spread <= 0.0).any():
-        refuse(path, form.sigma, f"{spread.min():g}", lines[int(np.argmin(spread))], "a number > 0")
+        refuse(
+            path,
+            quantity.sigma_column,
+            f"{spread.min():g}",
+            lines[int(np.argmin(spread))],
+            "a number > 0",
+        )
     return Curve(time, places[0] if places else None, value, spread)
 
 
@@ -208,11 +200,11 @@ def curve_text(name, rows):
     Parameters
     ----------
     name : str
-        Key of `FORMS`.
+        Key of `quantities.CURVES`.
     rows : (n, 2) or (n, 3) array
         In the order of the file.
     """
-    return csv_text(FORMS[name].columns, [[f"{value:.7g}" for value in row] for row in rows])
+    return csv_text(CURVES[name].columns, [[f"{value:.7g}" for value in row] for row in rows])
 
 
 def scalars_text(scalars):

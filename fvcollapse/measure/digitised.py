@@ -12,7 +12,7 @@ from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.overwriting import ELSEWHERE
 from fvcollapse.files.targets import has_contents, is_there, make_folder
-from fvcollapse.measure.curves import FORMS, curve_text
+from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
     SETTINGS,
@@ -21,12 +21,12 @@ from fvcollapse.measure.experiment import (
     read_measurements,
 )
 from fvcollapse.measure.experiment_keys import describe_keys, settings_from_table
+from fvcollapse.measure.quantities import CURVES
 from fvcollapse.measure.uncertainty import Uncertainty
 
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}
 RATIOS = {"1": 1.0, "%": 0.01}
-OVER_TIME = ("front", "volume")  # curves over time; the others are one file per instant
 
 
 class Source(NamedTuple):
@@ -120,8 +120,8 @@ def curve_texts(sources, length, time, ratio):
     blocks = {}
     for source in sorted(sources, key=lambda source: source.time or 0.0):
         x, y = read_pairs(source.path).T
-        if source.name in OVER_TIME:
-            value = y * (ratio if source.name == "volume" else length)
+        if not CURVES[source.name].is_profile:  # profiles are one file per instant
+            value = y * (ratio if CURVES[source.name].unit == "1" else length)
             rows = np.column_stack([x * time, value])
         else:
             rows = np.column_stack([np.full(len(x), source.time), x * length, y * length])
@@ -133,7 +133,7 @@ def curve_texts(sources, length, time, ratio):
         blocks.setdefault(source.name, []).append((rows, source))
     return {
         name: curve_text(name, np.vstack([rows for rows, _ in blocks[name]]))
-        for name in FORMS
+        for name in CURVES
         if name in blocks
     }
 

@@ -14,7 +14,7 @@ from urllib.parse import quote
 from fvcollapse.case.case import Case
 from fvcollapse.case.grammar import parse_toml, read_text
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.measure.curves import CSV_FILES, FORMS, SCALARS, read_curve, read_scalars
+from fvcollapse.measure.curves import CSV_FILES, SCALARS, read_curve, read_scalars
 from fvcollapse.measure.experiment_keys import (
     CASE_KEYS,
     Settings,
@@ -22,17 +22,12 @@ from fvcollapse.measure.experiment_keys import (
     settings_from_table,
 )
 from fvcollapse.measure.measured_files import measured_files
-from fvcollapse.measure.observables import SCALAR_UNITS
 from fvcollapse.measure.plausibility import refuse_impossible
+from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
 
 SETTINGS = "experiment.toml"
 NAME_MAX = 200  # characters of an experiment's name in the name of a file, of 255
-# key of [uncertainty] of each scalar
-SCALAR_UNCERTAINTY = {name: name for name in SCALAR_UNITS} | {
-    "runout": "front",
-    "final_height": "thickness",
-}
 # a header of a section whose name is `truth` in any spelling of TOML, and any header
 TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
 HEADER = re.compile(r"""\s*\[\[?\s*["']?[A-Za-z_][\w\s."'-]*\]\]?\s*(#.*)?$""")
@@ -200,8 +195,8 @@ def read_measurements(folder, uncertainty):
     """(curves, scalars) of a folder."""
     files = measured_files(folder)
     curves = {
-        name: read_curve(files[name], name, standard_deviation(uncertainty, form.uncertainty))
-        for name, form in FORMS.items()
+        name: read_curve(files[name], name, standard_deviation(uncertainty, quantity.uncertainty))
+        for name, quantity in CURVES.items()
         if name in files
     }
     scalars = ()
@@ -209,7 +204,7 @@ def read_measurements(folder, uncertainty):
         scalars = read_scalars(
             files[SCALARS],
             SCALAR_UNITS,
-            lambda name: standard_deviation(uncertainty, SCALAR_UNCERTAINTY[name]),
+            lambda name: standard_deviation(uncertainty, QUANTITIES[name].uncertainty),
         )
     if not curves and not scalars:
         files = ", ".join(f"{name}.csv" for name in CSV_FILES)

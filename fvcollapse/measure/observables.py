@@ -14,6 +14,7 @@ import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
+from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
 from fvcollapse.step.arrays import larger
 from fvcollapse.step.compiled import kernel_jit
 from fvcollapse.step.erodible_bed import layer_thickness
@@ -25,8 +26,6 @@ WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
 LOSSES = ("loss_time", "loss_advection", "loss_surface")  # to the discretisation
 ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names, J/m
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
-# numbers that an experiment may give instead of, or beside, curves
-SCALAR_UNITS = {"runout": "m", "final_height": "m", "time_stop": "s", "peak_front_velocity": "m/s"}
 
 
 def thickness(level_set, dz):
@@ -268,8 +267,8 @@ class Observations:
     """Simulated quantities in the form of an experiment folder; SI units.
 
     `front` (n, 2) is time and position; `profiles` and `interface` (n, 3) are time, x and height;
-    `volume` (n, 2) is time and relative change; `scalars` maps the names of `SCALAR_UNITS` to a number
-    (time_stop None: still moving).
+    `volume` (n, 2) is time and relative change; `scalars` maps the names of `quantities.SCALAR_UNITS`
+    to a number (time_stop None: still moving).
     """
 
     front: np.ndarray
@@ -280,10 +279,11 @@ class Observations:
 
     def rows(self):
         """The same as rows (name, time, position, value, units); None where meaningless."""
-        rows = [("front", t, None, value, "m") for t, value in self.front]
-        rows += [("thickness", t, x, value, "m") for t, x, value in self.profiles]
-        rows += [("volume", t, None, value, "1") for t, value in self.volume]
-        rows += [("static_height", t, x, value, "m") for t, x, value in self.interface]
+        rows = []
+        for name, quantity in CURVES.items():
+            label = quantity.reading or name
+            for time, *place, value in getattr(self, name):
+                rows.append((label, time, place[0] if place else None, value, quantity.unit))
         return rows + [
             (name, None, None, value, SCALAR_UNITS[name]) for name, value in self.scalars.items()
         ]

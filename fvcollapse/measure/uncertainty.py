@@ -4,20 +4,12 @@ Every number that an experiment folder leaves open is in `DEFAULTS`, with the re
 that the literature gives is read as one of 90 %: standard deviation = range / 3.29.
 """
 
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import msgspec
 
 from fvcollapse.case.grammar import Section, key
-
-
-class Default(NamedTuple):
-    """Standard deviation where none is stated: a value, or a part of the quantity (`relative`)."""
-
-    unit: str
-    value: float
-    relative: bool
-    reason: str
+from fvcollapse.measure.quantities import MEASURED_DEFAULTS, Default
 
 
 def absolute(unit, value, reason):
@@ -31,22 +23,9 @@ def relative(unit, value, reason):
 
 
 DEFAULTS = {
-    # what is measured of the collapse
-    "thickness": absolute(
-        "m", 0.002, "front thresholds from 1 to 7 mm are in use (Rousseau et al. 2023)"
-    ),
-    "front": absolute(
-        "m", 0.010, "beads that jump ahead: +-2 cm (Farin et al. 2014), two standard deviations"
-    ),
+    # what is measured of the collapse, and never without an error
+    **MEASURED_DEFAULTS,
     "time": absolute("s", 0.005, "one frame at 200 frames per second"),
-    "relative_volume": absolute(
-        "-", 0.01, "area under h of thin sloping layers, in a simulation grain by grain"
-    ),
-    "interface": absolute(
-        "m", 0.003, "2 mm of reading in a simulation grain by grain, and the 2 mm of the thickness"
-    ),
-    "time_stop": absolute("s", 0.1, "chosen: the last grains creep"),
-    "peak_front_velocity": absolute("m/s", 0.1, "chosen: curves of few points"),
     # set-up
     "slope_angle_deg": absolute("deg", 0.2, "tilt error +-0.3 deg as 90 %"),
     "height_0": absolute("m", 0.001, "a ruler"),
@@ -68,22 +47,13 @@ DEFAULTS = {
     "repose_angle_deg": absolute("deg", 0.5, "Lajeunesse et al. 2005"),
     "avalanche_angle_deg": absolute("deg", 0.5, "Lajeunesse et al. 2005"),
 }
-# what is measured of the collapse, and never without an error
-MEASURED = (
-    "thickness",
-    "front",
-    "relative_volume",
-    "interface",
-    "time_stop",
-    "peak_front_velocity",
-)
 LARGEST = {"m": 1000.0, "s": 1000.0, "m/s": 1000.0, "deg": 90.0, "-": 10.0, "kg/m3": 1.0e5}
 
 
 def stated_key(name):
     """The optional key of one quantity, as msgspec wants it: (name, type, default)."""
     unit, *_ = DEFAULTS[name]
-    least = {"gt": 0} if name in MEASURED else {"ge": 0}
+    least = {"gt": 0} if name in MEASURED_DEFAULTS else {"ge": 0}
     limits = key(unit, f"standard deviation of {name}", **least, le=LARGEST[unit])
     return name, Annotated[float, limits] | None, None
 

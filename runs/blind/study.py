@@ -45,7 +45,7 @@ from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
-from fvcollapse.diagnosis.verdict import SHIPPED, VerdictModel, solver_of
+from fvcollapse.diagnosis.verdict_model import SHIPPED, VerdictModel, solver_of
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from runs.study import Study

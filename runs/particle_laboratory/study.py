@@ -24,8 +24,9 @@ import numpy as np
 
 from fvcollapse import diagnose, load_case, load_experiment, observe
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.effect_library import Runner
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.report import FILE_NAME
+from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
@@ -131,13 +132,13 @@ def discrepancy(arguments):
     for one in experiments:
         others = [other for other in experiments if other is not one]
         for taught, given in (("nothing", ()), (others[0].name, others)):
-            found = analyse(
-                [one],
-                new_runner(arguments),
-                base,
-                controls=given,
+            question = Question(
+                (one,),
+                controls=tuple(given),
+                believed=base,
                 cell_size=arguments.cell_size,
             )
+            found = analyse(question, new_runner(arguments))
             answer = verdict(found.evidence, None, found.separability)  # as diagnose, with controls
             none = found.evidence.hypotheses["none"]
             row = {

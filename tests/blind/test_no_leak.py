@@ -11,7 +11,7 @@ import pytest
 from blind_suite import make_wedges
 
 import fvcollapse
-from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.point_choice import choose_points
 from fvcollapse.measure.experiment import load_experiment
 
 PACKAGE = Path(fvcollapse.__file__).parent

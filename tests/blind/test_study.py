@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from report_example import example
 
-from fvcollapse.diagnosis.verdict import VerdictModel, to_json
+from fvcollapse.diagnosis.verdict_model import VerdictModel, to_json
 from runs.blind import study
 from runs.blind.study import STEPS, main
 

@@ -23,7 +23,7 @@ from fvcollapse.blind.suite import (
     train,
     write_answers,
 )
-from fvcollapse.diagnosis.verdict import VerdictModel
+from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError
 

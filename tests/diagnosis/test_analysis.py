@@ -8,10 +8,11 @@ from fake_points import fake_points
 from toy_laboratory import ToyRunner, film, only_numbers
 
 from fvcollapse import load_experiment
-from fvcollapse.diagnosis.analysis import analyse, sensitivities, set_up_covariance
+from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import discrepancy_kernel
 from fvcollapse.diagnosis.diagnose import with_known
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.errors import InputError
 
 EFFECTS = ("lateral_friction", "gate", "cohesion", "bed_friction")
@@ -27,7 +28,8 @@ def filmed(folder, set_ups=SET_UPS, **hidden):
 
 
 def analysed(folder, set_ups=SET_UPS, **hidden):
-    return analyse(filmed(folder, set_ups, **hidden), ToyRunner(), effects=EFFECTS)
+    question = Question(tuple(filmed(folder, set_ups, **hidden)))
+    return analyse(question, ToyRunner(), effects=EFFECTS)
 
 
 @pytest.fixture(scope="module")
@@ -76,13 +78,13 @@ def test_uncertainties_add_up(walls):
 def test_sensitivities_are_the_slopes_of_the_runs(walls):
     library = walls.library
     keys = [each.key for each in library.quantities]
-    slopes = sensitivities(library)
+    slopes = library.sensitivities
     own = library.points.of("s16_w0.1")
     front = (library.points.observable == "front")[own]
     assert slopes[keys.index("rheology.mu_1"), own][front][-1] < -0.005  # m per 0.012 of mu_1
     other = [n for n, each in enumerate(library.quantities) if each.experiments == ("s10_w0.1",)]
     assert not slopes[other, own].any()
-    assert np.linalg.matrix_rank(set_up_covariance(library)) <= 8
+    assert np.linalg.matrix_rank(library.set_up_covariance) <= 8
 
 
 def test_separability_and_null_test_name_effects(walls):
@@ -118,7 +120,8 @@ def test_the_same_data_give_the_same_answer(tmp_path, walls):
 def test_bounds_alone_can_be_diagnosed(tmp_path):
     """As of the paper's experiments: the runout is less than something, nothing else is known."""
     folder = only_numbers(film(tmp_path / "bounds"), "runout,0.9,0.01,upper")
-    found = analyse([load_experiment(folder)], ToyRunner(), effects=("lateral_friction", "gate"))
+    question = Question((load_experiment(folder),))
+    found = analyse(question, ToyRunner(), effects=("lateral_friction", "gate"))
     assert found.evidence.hypotheses["none"].p_value > 0.05
     assert set(found.evidence.hypotheses) >= {"none", "unknown", "lateral_friction"}
 
@@ -127,7 +130,7 @@ def test_two_experiments_of_one_name_are_refused(tmp_path):
     one = load_experiment(film(tmp_path / "a" / "same"))
     two = load_experiment(film(tmp_path / "b" / "same"))
     with pytest.raises(InputError, match="the name same twice"):
-        analyse([one], ToyRunner(), controls=[two])
+        analyse(Question((one,), controls=(two,)), ToyRunner())
 
 
 # -- controls ------------------------------------------------------------------------------------
@@ -146,26 +149,26 @@ def swelling(tmp_path_factory):
 
 def test_without_controls_an_error_of_the_model_is_taken_for_a_cause(swelling):
     _, none, _ = swelling
-    found = analyse([none], ToyRunner(), effects=EFFECTS)
+    found = analyse(Question((none,)), ToyRunner(), effects=EFFECTS)
     assert found.evidence.hypotheses["none"].p_value < 1.0e-3
     assert any(region.observable == "volume" for region in found.gap_map.regions)
 
 
 def test_controls_teach_the_error_of_the_model(swelling):
     one, none, controls = swelling
-    found = analyse([none], ToyRunner(), effects=EFFECTS, controls=controls)
+    found = analyse(Question((none,), controls=tuple(controls)), ToyRunner(), effects=EFFECTS)
     assert found.evidence.best.name == "none"
     assert not any(region.observable == "volume" for region in found.gap_map.regions)
     assert found.discrepancy.factors["volume"] > found.discrepancy.factors["front"]
     volume = found.points.observable == "volume"
     assert found.shift[volume][-1] == pytest.approx(-0.05, abs=0.02)
-    hidden = analyse([one], ToyRunner(), effects=EFFECTS, controls=controls)
+    hidden = analyse(Question((one,), controls=tuple(controls)), ToyRunner(), effects=EFFECTS)
     assert hidden.evidence.best.name == "lateral_friction"
 
 
 def test_points_of_the_controls_are_not_those_of_the_experiment(swelling):
     one, _, controls = swelling
-    found = analyse([one], ToyRunner(), effects=EFFECTS, controls=controls)
+    found = analyse(Question((one,), controls=tuple(controls)), ToyRunner(), effects=EFFECTS)
     assert len(found.library.points) > len(found.points) == len(found.shift)
     assert found.everything.shape == (len(found.library.points),) * 2
     assert found.covariance.shape == (len(found.points),) * 2

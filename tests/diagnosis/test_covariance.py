@@ -15,7 +15,8 @@ from fvcollapse.diagnosis.covariance import (
     measurement_covariance,
     numerical_covariance,
 )
-from fvcollapse.diagnosis.points import Sensitivity, choose_points
+from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.points import Sensitivity
 from fvcollapse.measure.experiment import load_experiment
 
 N = 12

@@ -6,16 +6,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from toy_laboratory import ToyRunner, film, only_numbers
+from toy_laboratory import PlannedQuestion, ToyRunner, film, only_numbers
 
 import fvcollapse
 from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
+from fvcollapse.diagnosis import confirmation
 from fvcollapse.diagnosis import diagnose as module
-from fvcollapse.diagnosis import findings
+from fvcollapse.diagnosis.baseline import baseline_cases
 from fvcollapse.diagnosis.diagnose import contenders
-from fvcollapse.diagnosis.effect_library import Runner, baseline_cases, build_library
-from fvcollapse.diagnosis.report import read_report
+from fvcollapse.diagnosis.library import build_library
+from fvcollapse.diagnosis.report import findings, read_report
+from fvcollapse.diagnosis.report.limits import confirmation_reasons
+from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import Verdict
 from fvcollapse.errors import NumericalError
 from fvcollapse.studies.cache import make_extract
@@ -108,7 +111,9 @@ def test_controls_are_told(by_formula, tmp_path):
     assert report.experiments == ["one"]
     assert any("controls (c0, c1)" in line for line in report.details.limits)
     assert set(report.details.expected) == set(report.by_observable)  # what was taken off is told
-    assert "let expect of its own errors" in (out / "report.html").read_text(encoding="utf-8")
+    assert "learned from the control experiments" in (out / "report.html").read_text(
+        encoding="utf-8"
+    )
     for name, parts in report.details.budget.items():  # sources of a gap add up to its uncertainty
         total = np.sqrt(sum(sd**2 for sd in parts.values()))
         assert total == pytest.approx(report.by_observable[name].combined_uncertainty, rel=1e-3)
@@ -210,18 +215,17 @@ def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monke
         calls.append(arguments)
 
     monkeypatch.setattr("fvcollapse.studies.cache.make_extract", counted)
-    cases = short_cases(coarse)
-    arguments = [coarse], cases
+    question = PlannedQuestion((coarse,), planned=short_cases(coarse))
     with pytest.raises(KeyboardInterrupt):
-        build_library(*arguments, Runner(tmp_path), ["cohesion"], draws=4)
+        build_library(question, Runner(tmp_path), ["cohesion"], draws=4)
     calls.clear()
     calls.extend([None] * 5)  # past the interruption
     runner = Runner(tmp_path)
-    found = build_library(*arguments, runner, ["cohesion"], draws=4)
+    found = build_library(question, runner, ["cohesion"], draws=4)
     assert len(runner.asked) == 2 + 4 + 5
     assert len(runner.computed) == len(calls) - 5 == 11 - 4
     again = Runner(tmp_path)
-    same = build_library(*arguments, again, ["cohesion"], draws=4)
+    same = build_library(question, again, ["cohesion"], draws=4)
     assert not again.computed
     assert (same.samples == found.samples).all()
     assert found.responses["cohesion"][0].differences.any()
@@ -234,9 +238,8 @@ def test_a_failed_run_is_reported_and_not_repeated_within_a_call(coarse, tmp_pat
         make_extract(case, *arguments)
 
     monkeypatch.setattr("fvcollapse.studies.cache.make_extract", fails)
-    found = build_library(
-        [coarse], short_cases(coarse), Runner(tmp_path), ["cohesion", "bed_friction"], draws=4
-    )
+    question = PlannedQuestion((coarse,), planned=short_cases(coarse))
+    found = build_library(question, Runner(tmp_path), ["cohesion", "bed_friction"], draws=4)
     assert "it blew up" in found.left_out["cohesion"]
     assert set(found.responses) == {"bed_friction"}
 
@@ -269,10 +272,11 @@ def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folder
     ((analysis, answer, ladder, *_),) = kept
     assert report.details.confirmation.wording == "confirmed"
     told = {(folders[2].name, True): {"winner": -0.4, "runner_up": -0.9}}
-    monkeypatch.setattr(findings, "fold_fractions", lambda ladder: told)
-    found = findings.confirmation(analysis, answer, ladder)
-    assert found.wording == "consistent with"
-    assert "the gap of an experiment held out does not shrink" in found.reasons
+    monkeypatch.setattr(confirmation, "fold_fractions", lambda ladder: told)
+    tests = confirmation.confirm(analysis, answer, ladder)
+    assert tests.strength == "consistent with"
+    reasons = confirmation_reasons(tests)
+    assert "the gap of an experiment held out does not shrink" in reasons
 
 
 @pytest.mark.parametrize("lacking", ["nothing", "controls", "values", "effects", "model"])

@@ -6,16 +6,16 @@ from fake_points import fake_points
 from scipy.special import logsumexp
 from scipy.stats import binom, multivariate_normal, norm
 
-from fvcollapse.diagnosis import evidence
+from fvcollapse.diagnosis import quadrature
 from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
 from fvcollapse.diagnosis.emulator import Response
-from fvcollapse.diagnosis.evidence import (
+from fvcollapse.diagnosis.evidence import ModelComparison, compare
+from fvcollapse.diagnosis.likelihood import ResponseColumns
+from fvcollapse.diagnosis.quadrature import (
     DISCREPANCIES,
     UNKNOWN_DISCREPANCIES,
-    Closure,
-    Comparison,
     Posterior,
-    compare,
+    integrate,
     intervals,
     sigma_weights,
 )
@@ -133,7 +133,7 @@ def test_errors_of_the_emulator_enter_as_a_covariance():
 def test_a_known_effect_wins_and_its_parameter_is_recovered():
     points, covariance, kernel = setting()
     effects = responses(points)
-    comparison = Comparison(covariance, kernel, effects, points)
+    comparison = ModelComparison(covariance, kernel, effects, points)
     factor, rng = np.linalg.cholesky(covariance + 0.1**2 * kernel), np.random.default_rng(5)
     names, won, covered = list(effects), 0, 0
     for case in range(40):
@@ -150,7 +150,7 @@ def test_a_known_effect_wins_and_its_parameter_is_recovered():
 
 def test_nothing_is_found_where_there_is_nothing():
     points, covariance, kernel = setting()
-    comparison = Comparison(covariance, kernel, responses(points), points)
+    comparison = ModelComparison(covariance, kernel, responses(points), points)
     factor, rng = np.linalg.cholesky(covariance), np.random.default_rng(6)
     none, confident, p_values = 0, 0, []
     for _ in range(60):
@@ -166,7 +166,7 @@ def test_nothing_is_found_where_there_is_nothing():
 
 def test_a_smooth_gap_of_another_shape_is_unknown():
     points, covariance, kernel = setting()
-    comparison = Comparison(covariance, kernel, responses(points), points)
+    comparison = ModelComparison(covariance, kernel, responses(points), points)
     rng, found = np.random.default_rng(7), 0
     # round-off alone can make the kernel indefinite
     strange = np.linalg.cholesky(16.0 * kernel + 1.0e-3 * np.diag(points.sigma**2))
@@ -292,11 +292,11 @@ def test_intervals_are_those_of_a_tempered_likelihood():
     points, covariance, kernel = setting()
     response = responses(points, 0.3)["arms"]
     gap = -response.at(np.array([0.5]))
-    comparison = evidence.Comparison(covariance, kernel, {"arms": response}, points)
+    comparison = ModelComparison(covariance, kernel, {"arms": response}, points)
     one = comparison.evidence(gap).hypotheses["arms"]
     seen = {sigma: each.see(gap) for sigma, each in comparison.whitened.items()}
     (closure,) = comparison.closures["arms"]
-    plain = intervals(evidence.integrate(seen, closure, (0.0, 1.0)), one.u)
+    plain = intervals(integrate(seen, closure, (0.0, 1.0)), one.u)
     width = one.high[0] - one.low[0]
     assert 2.0 * (plain[1][0] - plain[0][0]) < width < 0.9
     assert one.low[0] < 0.5 < one.high[0]
@@ -309,9 +309,9 @@ def ridge(seen, closure, nodes, temperature):
 
 
 def test_the_evidence_of_a_ridge(monkeypatch):
-    monkeypatch.setattr(evidence, "likelihood", ridge)
-    closure = Closure((0,), (type("R", (), {"dimension": 3})(),), np.empty(0), np.empty(0))
-    found = evidence.integrate(None, closure, (0.0, 1.0))
+    monkeypatch.setattr(quadrature, "likelihood", ridge)
+    closure = ResponseColumns((0,), (type("R", (), {"dimension": 3})(),), np.empty(0), np.empty(0))
+    found = integrate(None, closure, (0.0, 1.0))
     # the density of the sum of three uniform numbers is 3/4 at 1.5
     exact = np.log(0.75 * 1.0e-4 * np.sqrt(2.0 * np.pi))
     assert found.log_evidence == pytest.approx(exact, abs=0.15)

@@ -7,6 +7,7 @@ from scipy.stats import binom
 
 from fvcollapse.diagnosis.covariance import discrepancy_kernel
 from fvcollapse.diagnosis.gap_map import clusters, gap_map, neighbours
+from fvcollapse.diagnosis.report.regions import region_lines
 
 DRAWS = 200
 
@@ -43,9 +44,8 @@ def test_a_planted_gap_is_found_where_it_is_and_told_in_words():
     assert region.uncertainty == pytest.approx(0.01 / np.sqrt(late.sum()))
     assert region.significance == pytest.approx(region.gap / region.uncertainty)
     assert region.p_value <= 0.002
-    words = "front 8.0 ± 0.4 cm too far from 0.55 s on; nothing significant before 0.55 s"
-    assert region.text == words
-    assert found.lines == (f"r1: {words}",)
+    words = "front position 8.0 ± 0.4 cm too far from 0.55 s on; nothing significant before 0.55 s"
+    assert region_lines(points, found.regions) == [words]
     np.testing.assert_array_equal(found.discoveries, late)
     best = max(found.shares, key=lambda share: share.share)
     assert (best.experiment, best.observable, best.phase, best.sign) == (
@@ -70,8 +70,9 @@ def test_a_patch_of_a_profile_has_a_place_and_a_sign():
     assert region.t_range == (0.2, 0.3)
     assert region.x_range[0] > 0.2
     assert region.x_range[1] < 0.35
-    assert region.text.startswith("thickness 10.0 ± 0.")
-    assert "too small, X = 0.22 to 0.35 m from 0.20 to 0.30 s" in region.text
+    (text,) = region_lines(points, [region])
+    assert text.startswith("thickness 10.0 ± 0.")
+    assert "too small, X = 0.22 to 0.35 m from 0.20 to 0.30 s" in text
 
 
 def test_a_bound_counts_only_beyond():
@@ -81,11 +82,11 @@ def test_a_bound_counts_only_beyond():
     kept[-2:] += (-1.0, 1.0)
     inside = gap_map(points, kept, covariance, rng)
     assert not inside.gap.any()
-    assert inside.lines == ("no gap beyond the combined uncertainty",)
+    assert inside.regions == ()
     kept[-2:] = points.measured[-2:] + (0.012, -0.1)
     beyond = gap_map(points, kept, covariance, rng)
     np.testing.assert_allclose(beyond.z[-2:], [6.0, -10.0])
-    texts = [region.text for region in beyond.regions]
+    texts = region_lines(points, beyond.regions)
     assert texts[0] == "runout 10.0 ± 1.0 cm not far enough (beyond the lower bound)"
     assert texts[1] == "final height 12 ± 2 mm too large (beyond the upper bound)"
 

@@ -9,7 +9,6 @@ from toy_laboratory import film
 
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis import mass_balance as module
-from fvcollapse.diagnosis.findings import grain_words
 from fvcollapse.diagnosis.mass_balance import (
     CHANGES,
     MassBalance,
@@ -19,6 +18,7 @@ from fvcollapse.diagnosis.mass_balance import (
     mass_balance,
 )
 from fvcollapse.diagnosis.names import UNKNOWN
+from fvcollapse.diagnosis.report.limits import grain_words
 from fvcollapse.measure.curves import curve_text
 
 TIMES = np.arange(0.0, 1.01, 0.05)

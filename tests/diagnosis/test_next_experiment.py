@@ -7,8 +7,8 @@ from toy_laboratory import ToyRunner, film
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis import next_experiment as following
 from fvcollapse.diagnosis.analysis import analyse
+from fvcollapse.diagnosis.next_candidates import candidates
 from fvcollapse.diagnosis.next_experiment import (
-    candidates,
     choices,
     entropy,
     expected_gain,
@@ -16,7 +16,9 @@ from fvcollapse.diagnosis.next_experiment import (
     repeats,
     with_readings,
 )
-from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.report.words import candidate_words
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +27,7 @@ def analysis(tmp_path_factory):
     for name in ("volume", "interface"):
         (folder / f"{name}.csv").unlink()
     effects = ("lateral_friction", "cohesion", "gate")
-    return analyse([load_experiment(folder)], ToyRunner(), effects=effects)
+    return analyse(Question((load_experiment(folder),)), ToyRunner(), effects=effects)
 
 
 def test_a_narrower_channel_tells_walls_from_cohesion(analysis):
@@ -35,7 +37,7 @@ def test_a_narrower_channel_tells_walls_from_cohesion(analysis):
     assert [each.gain for each in found] == sorted((each.gain for each in found), reverse=True)
     assert set(found[0].separates) == {"cohesion", "lateral_friction"}
     assert 0.0 < found[0].gain <= entropy(np.array([0.5, 0.4, 0.05]) / 0.95)
-    gain = {each.candidate.words: each.utility for each in found}
+    gain = {candidate_words(each.candidate): each.utility for each in found}
     narrow = next(words for words in gain if "5 cm wide" in words)
     fast = next(words for words in gain if "gate removed" in words)
     assert gain[narrow] > gain[fast]
@@ -52,7 +54,7 @@ def test_what_is_not_measured_yet_is_a_candidate(analysis):
     (experiment,) = analysis.experiments
     found = candidates(experiment, analysis.library.cases[experiment.name])
     more = found[0]
-    assert "volume and interface" in more.words
+    assert "volume and interface measured too" in candidate_words(more)
     assert set(more.observables) == {"front", "profiles", "volume", "interface"}
     assert all(set(each.observables) == {"front", "profiles"} for each in found[1:])
     slopes = [

@@ -3,7 +3,8 @@
 from experiment_folder import write_experiment
 
 from fvcollapse import load_experiment
-from fvcollapse.diagnosis.oddities import oddities_of, unseen_origins
+from fvcollapse.diagnosis.oddities import oddities_of
+from fvcollapse.diagnosis.report.limits import unseen_origins
 
 
 def test_a_runout_alone_does_not_show_its_origin(tmp_path):

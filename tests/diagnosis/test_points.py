@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from experiment_folder import write_experiment
 
-from fvcollapse.diagnosis.points import PHASES, choose_points
+from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.points import PHASES
 from fvcollapse.errors import InputError
 from fvcollapse.measure.experiment import load_experiment
 from fvcollapse.measure.observables import Observations

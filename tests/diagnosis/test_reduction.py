@@ -1,5 +1,7 @@
 """The ladder of models, and sizes of gaps, on collapses by formula."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_points import fake_points
@@ -7,15 +9,10 @@ from toy_laboratory import ToyRunner, collapse, film
 
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.reduction import (
-    Group,
-    climb,
-    closing,
-    fold_fractions,
-    fraction_closed,
-    size,
-)
-from fvcollapse.diagnosis.report import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
+from fvcollapse.diagnosis.closing import Group, closing, fraction_closed, size
+from fvcollapse.diagnosis.ladder import climb, fold_fractions
+from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
+from fvcollapse.diagnosis.question import Question
 from fvcollapse.errors import NumericalError
 
 EFFECTS = ("lateral_friction", "cohesion", "bed_friction")
@@ -41,20 +38,20 @@ def hold_out(tmp_path_factory):
 @pytest.fixture(scope="module")
 def analysis(tmp_path_factory):
     experiments = filmed(tmp_path_factory.mktemp("fitted"), FITTED)
-    return analyse(experiments, ToyRunner(), effects=EFFECTS)
+    return analyse(Question(tuple(experiments)), ToyRunner(), effects=EFFECTS)
 
 
 @pytest.fixture(scope="module")
 def ladder(analysis, hold_out):
-    return climb(analysis, ToyRunner(), "lateral_friction", "cohesion", hold_out)
+    question = replace(analysis.question, held_out=tuple(hold_out))
+    asked = replace(analysis, question=question)
+    return climb(asked, ToyRunner(), "lateral_friction", "cohesion")
 
 
 def test_the_true_cause_closes_the_gap_where_it_was_not_fitted(ladder):
     everything = slice(None)
     for group in (ladder.fitted, ladder.held_out):
-        closed = {
-            model: closing(group, BASELINE, model, everything, 0).fraction for model in ladder.fits
-        }
+        closed = {model: closing(group, model, everything, 0).fraction for model in ladder.fits}
         assert closed[BASELINE] == 0.0
         assert closed[WINNER] > 0.9
         assert closed[WINNER] > closed[RUNNER_UP] > closed[RECALIBRATED] - 0.05
@@ -118,14 +115,13 @@ def test_without_a_cause_there_are_two_models(analysis):
 def test_two_effects_together_are_added_together(tmp_path):
     hidden = {"gate": {"speed": 0.8, "delay": 0.03}, "bed_friction": {"mu_bed": 0.22}}
     one = load_experiment(film(tmp_path / "both", effects=hidden))
-    found = analyse([one], ToyRunner(), effects=("gate", "bed_friction", "cohesion"))
+    found = analyse(Question((one,)), ToyRunner(), effects=("gate", "bed_friction", "cohesion"))
     pair = "bed_friction+gate"
     assert pair in found.evidence.hypotheses
     ladder = climb(found, ToyRunner(), pair, "gate")
     assert set(ladder.fits[WINNER].effects) == {"bed_friction", "gate"}
     closed = [
-        closing(ladder.fitted, BASELINE, model, slice(None), 0).fraction
-        for model in (WINNER, RUNNER_UP)
+        closing(ladder.fitted, model, slice(None), 0).fraction for model in (WINNER, RUNNER_UP)
     ]
     assert closed[0] > closed[1]
 
@@ -173,15 +169,15 @@ def test_the_range_holds_the_value_and_what_was_left_out():
     simulated = {BASELINE: truth + shift, WINNER: truth + 0.4 * shift}
     nothing = dict.fromkeys(simulated, np.zeros(len(points)))
     group = Group(points, {}, nothing, covariance, simulated)
-    found = closing(group, BASELINE, WINNER, slice(None), 0)
+    found = closing(group, WINNER, slice(None), 0)
     assert found.before == pytest.approx(5.0, abs=0.3)
     assert found.after == pytest.approx(2.0, abs=0.3)
     assert found.fraction == pytest.approx(1.0 - found.after / found.before)
     low, high = found.interval
     assert low < found.fraction < high
     assert high - low < 0.2
-    wide = closing(group, BASELINE, WINNER, slice(None), 0, values=[0.1, 0.7])
+    wide = closing(group, WINNER, slice(None), 0, values=[0.1, 0.7])
     assert wide.interval == (0.1, max(0.7, high))
     front = points.observable == "front"
-    metres = closing(group, BASELINE, WINNER, front, 0, in_units=True)
+    metres = closing(group, WINNER, front, 0, in_units=True)
     assert metres.before == pytest.approx(0.05, abs=0.01)

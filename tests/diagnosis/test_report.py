@@ -9,16 +9,16 @@ import pytest
 from msgspec.structs import replace
 from report_example import EFFECTS, FITTED, HELD_OUT, example
 
-from fvcollapse.diagnosis.report import (
-    BASELINE,
+from fvcollapse.diagnosis.names import BASELINE
+from fvcollapse.diagnosis.report.report_file import (
     FILE_NAME,
-    Closed,
-    Report,
     ReportError,
     read_report,
     to_json,
     write_report,
 )
+from fvcollapse.diagnosis.report.schema import Report
+from fvcollapse.diagnosis.report.schema_reduction import Closed
 from fvcollapse.errors import InputError
 
 KEYS = {

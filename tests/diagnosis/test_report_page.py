@@ -9,19 +9,21 @@ import pytest
 from msgspec.structs import replace
 from report_example import EFFECTS, FITTED, HELD_OUT, example
 
-from fvcollapse.diagnosis import report_words as words
+from fvcollapse.diagnosis.gap_map import Region as MapRegion
+from fvcollapse.diagnosis.names import BASELINE, WINNER
 from fvcollapse.diagnosis.oddities import Oddity
-from fvcollapse.diagnosis.report import (
-    BASELINE,
-    WINNER,
-    Region,
-    read_report,
-    to_json,
-    write_report,
-)
-from fvcollapse.diagnosis.report_figures import cell, column, drawable, pictures
-from fvcollapse.diagnosis.report_page import write_page
+from fvcollapse.diagnosis.points import Block
+from fvcollapse.diagnosis.report import sentences, words
+from fvcollapse.diagnosis.report.drawing import column
+from fvcollapse.diagnosis.report.figures import drawable, pictures
+from fvcollapse.diagnosis.report.gap_figures import cell
+from fvcollapse.diagnosis.report.page import write_page
+from fvcollapse.diagnosis.report.regions import region_line, region_words
+from fvcollapse.diagnosis.report.report_file import read_report, to_json, write_report
+from fvcollapse.diagnosis.report.schema_gap import ObservableGap, Region
+from fvcollapse.diagnosis.report.schema_reduction import Closed
 from fvcollapse.errors import OutputError
+from fvcollapse.measure.quantities import QUANTITIES
 
 CHAPTERS = ("compared", "overlays", "where", "which", "alike", "far", "next", "limits", "cost")
 VOID = {"meta", "br", "img", "link", "input", "hr"}
@@ -116,7 +118,7 @@ def test_page_is_well_formed(page):
 
 
 def test_answer_comes_first(page, report):
-    answer = " ".join(words.answer(report))
+    answer = " ".join(sentences.answer(report))
     assert answer in page.text
     assert page.text.index(answer) < page.text.index("What was compared")
     assert words.hypothesis_name(EFFECTS[0]) in answer
@@ -149,8 +151,8 @@ def test_every_figure_is_on_the_page_and_in_the_folder(page, folder, drawn):
 def test_other_verdicts(kind, tmp_path):
     report = small(kind, experiments=(FITTED[0],), observables=("front",))
     page = written(report, tmp_path)
-    assert words.headline(report) in page.text
-    assert " ".join(words.answer(report)) in page.text
+    assert sentences.headline(report) in page.text
+    assert " ".join(sentences.answer(report)) in page.text
     assert ("Gap closed, fitted experiments" in page.text) == (report.reduction is not None)
 
 
@@ -165,7 +167,7 @@ def test_single_numbers_alone_make_a_page(tmp_path):
     page = written(replace(report, next_experiment=None), tmp_path)
     assert "\N{LESS-THAN OR EQUAL TO}" in page.text
     assert "none held out" in page.text
-    assert "all points together do" in page.text
+    assert "all points taken together do" in page.text
 
 
 def test_no_input_breaks_out_of_its_text(tmp_path):
@@ -235,6 +237,42 @@ def test_evidence_names_every_hypothesis(drawn, report):
     assert words.percent(report.verdict.probability[EFFECTS[0]]) in text
 
 
+def test_a_page_shows_a_gap_in_one_unit(tmp_path):
+    """In the regions, in the table by observable and in that of the reduction."""
+    report = small(experiments=(FITTED[0],), observables=())
+    gaps = {name: 0.031 + 0.001 * n for n, name in enumerate(QUANTITIES)}
+    regions, sizes, closed = [], {}, {}
+    for name, gap in gaps.items():
+        unit = QUANTITIES[name].unit
+        regions.append(Region(FITTED[0], name, (0.2, 0.4), None, gap, unit, 5.0))
+        sizes[name] = ObservableGap(gap, gap, 1.0, unit, 9)
+        closed[name] = Closed(gap, gap, 0.0, None, unit)
+    fitted = replace(report.reduction.fitted, by_observable=closed)
+    reduction = replace(report.reduction, fitted=fitted, held_out=None)
+    page = written(
+        replace(report, where=regions, by_observable=sizes, reduction=reduction), tmp_path
+    )
+    for name, gap in gaps.items():
+        factor, unit = QUANTITIES[name].gap_shown
+        number = re.escape(words.number(factor * gap, 2))
+        units = re.findall(
+            rf"(?<![\d.]){number} (% of the column|%|[cm]?m|s|m/s)(?![\w/])", page.text
+        )
+        assert len(units) >= 5  # in the list of regions, and twice in both tables
+        assert set(units) == {unit}
+
+
+def test_the_words_of_the_map_are_in_the_unit_of_the_tables():
+    time = np.array([0.2, 0.3, 0.9])
+    for name, quantity in QUANTITIES.items():
+        block = Block("r", name, quantity.unit, time, time * np.nan, "value", 0, 3)
+        gap = MapRegion("r", name, quantity.unit, (0.2, 0.3), None, 0.5, 0.1, 5.0, 0.01, time)
+        size = f"{0.5 * quantity.gap_shown.factor:.{2 if quantity.gap_shown.factor == 1.0 else 0}f}"
+        text = region_line(gap, block)
+        assert text.startswith(f"{quantity.words} {size} ")
+        assert f" {quantity.gap_shown.unit} {quantity.too_large} from" in text
+
+
 def test_figures_are_the_same_each_time(drawn, folder):
     report = read_report(folder)
     one = [one for one in report.details.comparisons if one.experiment == FITTED[2]]
@@ -298,11 +336,11 @@ def test_span_writes_a_shared_unit_once():
 
 def test_region_in_words():
     region = Region("a", "front", (0.6, 1.4), None, 0.08, "m", 5.3, gap_sd=0.015)
-    assert words.region_words(region) == (
+    assert region_words(region) == (
         "simulated front position 8 ± 1.5 cm too far from 0.60 to 1.40 s"
     )
     low = Region("a", "profiles", None, (0.1, 0.3), -0.004, "m", 3.0)
-    assert words.region_words(low) == "simulated thickness 0.4 cm too low, at x = 0.10 to 0.30 m"
+    assert region_words(low) == "simulated thickness 4 mm too small, at x = 0.10 to 0.30 m"
 
 
 def test_every_effect_of_the_catalogue_has_a_meaning():
@@ -330,26 +368,66 @@ def test_a_second_effect_that_is_left_open_is_told(report):
     pair = "+".join(sorted((first, other)))
     alone = replace(verdict, kind="effect", effects=[first], set=[first])
     open_pair = replace(alone, set=[first, pair, "dilatancy+gate"])
-    told = [words.beside_sentences(replace(report, verdict=v)) for v in (alone, open_pair)]
+    told = [sentences.addition_sentences(replace(report, verdict=v)) for v in (alone, open_pair)]
     assert told == [
         [],
-        [f"That cohesion acts beside {words.hypothesis_name(first)} is not excluded."],
+        [
+            f"The data do not exclude that cohesion acts in addition to {words.hypothesis_name(first)}."
+        ],
     ]
 
 
 def test_what_the_grains_in_view_say_is_in_the_answer(report):
     told = ["By their own balance, the profiles hold too much."]
     details = replace(report.details, grains=told)
-    assert told[0] in words.answer(replace(report, details=details))
+    assert told[0] in sentences.answer(replace(report, details=details))
 
 
 def test_outside_of_what_was_tried(report):
     """Of a few effects that were tried "unknown" says nothing about the rest of the catalogue."""
     every = unknown_of(report)
     few = replace(every, candidates=dict(list(report.candidates.items())[:2]))
-    assert words.headline(every) == "A cause outside the catalogue"
-    assert words.headline(few) == "A cause outside the effects that were tried"
-    assert "lies outside the effects that were tried" in words.answer(few)[1]
+    assert sentences.headline(every).startswith("Possibly a cause outside the catalogue (")
+    assert "outside the effects that were tried (" in sentences.headline(few)
+    assert "lies outside the effects that were tried" in sentences.answer(few)[1]
+
+
+@pytest.mark.parametrize(
+    ("others", "end"), [(0, ""), (1, "; one other is"), (6, "; six others are")]
+)
+def test_a_headline_says_no_more_than_its_number(report, others, end):
+    """It holds the probability, and how many hypotheses the data leave open in addition."""
+    names = [name for name in report.verdict.probability if name != "none"]
+    rest = 0.65 / len(names)
+    verdict = replace(
+        report.verdict,
+        kind="none",
+        effects=[],
+        probability=dict.fromkeys(names, rest) | {"none": 0.35},
+        set=["none", *names[:others]],
+    )
+    end = f"{end} not excluded" if end else ""
+    text = sentences.headline(replace(report, verdict=verdict))
+    assert text == f"No missing effect is needed (35 %){end}"
+
+
+def test_a_cause_that_does_not_lead_is_only_possible(report):
+    verdict = report.verdict
+    first, last = verdict.effects[0], list(verdict.probability)[-1]
+    swapped = verdict.probability | {
+        first: verdict.probability[last],
+        last: verdict.probability[first],
+    }
+    second = replace(report, verdict=replace(verdict, probability=swapped))
+    assert sentences.headline(report).startswith("Most likely cause: ")
+    assert sentences.headline(second).startswith("Possible cause: ")
+
+
+@pytest.mark.parametrize("kind", ["effect", "several", "none", "unknown"])
+def test_every_headline_holds_the_probability(kind):
+    told = example(kind)
+    name, chance = sentences.named(told)
+    assert f"({words.percent(chance)})" in sentences.headline(told)
 
 
 def unknown_of(report):

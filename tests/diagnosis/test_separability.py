@@ -6,7 +6,7 @@ from fake_points import fake_points
 
 from fvcollapse.diagnosis.covariance import discrepancy_kernel, ensemble_covariance
 from fvcollapse.diagnosis.emulator import Response
-from fvcollapse.diagnosis.evidence import Comparison
+from fvcollapse.diagnosis.evidence import ModelComparison
 from fvcollapse.diagnosis.separability import null_test, separability
 
 N = 6
@@ -75,7 +75,7 @@ def test_null_test_flags_what_looks_like_a_mis_calibration():
     kernel = discrepancy_kernel(points, points.sigma)
     shares = {}
     for name, known in (("marginalised", ensemble), ("ignored", 0.0 * ensemble)):
-        comparison = Comparison(measurement + known, kernel, effects, points)
+        comparison = ModelComparison(measurement + known, kernel, effects, points)
         shares[name] = null_test(samples, mean, comparison, measurement, rng)
         assert sum(shares[name].values()) == pytest.approx(1.0)
         assert "other" not in shares[name]

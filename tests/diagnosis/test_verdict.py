@@ -6,27 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fvcollapse.blind.verdict_training import fit
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
-from fvcollapse.diagnosis.findings import model_words
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
+from fvcollapse.diagnosis.report.limits import model_words
 from fvcollapse.diagnosis.separability import Separability
-from fvcollapse.diagnosis.verdict import (
-    CAP,
-    CASE_FEATURES,
-    NONE_KEPT,
+from fvcollapse.diagnosis.verdict import CAP, NONE_RETAINED, capped, named, verdict
+from fvcollapse.diagnosis.verdict_features import CASE_FEATURES, class_of, features, known_logits
+from fvcollapse.diagnosis.verdict_model import (
     VerdictModel,
-    capped,
-    class_of,
     class_prior,
-    features,
-    fit,
     from_json,
-    known_logits,
-    named,
     solver_of,
     to_json,
-    verdict,
 )
 from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL, Effect, Prior
 from fvcollapse.errors import InputError
@@ -103,7 +96,7 @@ def test_probabilities_are_calibrated_to_the_stated_prior(fresh, model):
 
 def test_false_alarms_are_rare_and_sets_hold_the_truth(fresh):
     alarms = [found.kind != NONE for cause, found in fresh if cause == NONE]
-    assert np.mean(alarms) <= NONE_KEPT + 0.06  # 100 cases: two standard deviations of chance
+    assert np.mean(alarms) <= NONE_RETAINED + 0.06  # 100 cases: two standard deviations of chance
     held = [cause in found.set for cause, found in fresh]
     assert 0.86 <= np.mean(held) <= 0.97
     assert np.mean([len(found.set) for _, found in fresh]) < 2.5

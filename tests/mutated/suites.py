@@ -15,7 +15,7 @@ from fvcollapse.blind.score import score, scores_text, table
 from fvcollapse.blind.suite import SIMPLE, answer, read_evidence, simple_answer
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.report import read_report
-from fvcollapse.diagnosis.report_words import answer as sentences
+from fvcollapse.diagnosis.report.sentences import answer as sentences
 from fvcollapse.diagnosis.verdict import VerdictModel, verdict
 from fvcollapse.errors import InputError
 from fvcollapse.measure.digitised import (

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.stats import norm
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.measure.curves import FORMS
 from fvcollapse.measure.plausibility.finding import (
     BACK_WALL,
     CLOCK,
@@ -20,6 +19,7 @@ from fvcollapse.measure.plausibility.finding import (
     scales_of,
     unit_words,
 )
+from fvcollapse.measure.quantities import CURVES, PROFILES
 
 FAR = 5.0  # standard deviations: once in 3 million measurements
 # largest thickness in heights of the column: grains only fall; a gate drags some 12 % up, and a column that
@@ -47,7 +47,7 @@ LONGEST = 1.0e4  # fall times: under a slow gate a column runs out for 60
 def heights(experiment):
     """Thickness and interface lie between the bed and the top of the column."""
     height = scales_of(experiment).height
-    for name in ("profiles", "interface"):
+    for name in PROFILES:
         if name not in experiment.curves:
             continue
         curve = experiment.curves[name]
@@ -91,7 +91,7 @@ def places(experiment):
         if curve.x is None:
             continue
         first, last = int(np.argmin(curve.x)), int(np.argmax(curve.x))
-        key = FORMS[name].columns[1]
+        key = CURVES[name].columns[1]
         if curve.x[first] < -BEHIND * scales.length:
             near = curve.x[first] > -2.0 * scales.length
             found = f"{curve.x[first]:g} m at t = {curve.time[first]:g} s"
@@ -165,9 +165,9 @@ def deviations(experiment):
     scales = scales_of(experiment)
     column = scales.height + scales.length
     for name, curve in experiment.curves.items():
-        scale = 1.0 if name == "volume" else column
+        scale = 1.0 if CURVES[name].unit == "1" else column
         for sigma in (curve.sigma.min(), curve.sigma.max()):
-            yield from deviation(f"{name}.csv", FORMS[name].sigma, float(sigma), scale)
+            yield from deviation(f"{name}.csv", CURVES[name].sigma_column, float(sigma), scale)
     sizes = {"time_stop": 10.0 * scales.time, "peak_front_velocity": scales.speed}
     for scalar in experiment.scalars:
         key = f"sigma of {scalar.name}"
@@ -199,7 +199,7 @@ def times(experiment):
 
 def of_curve(name, severity, found, allowed, likely=""):
     """The `Finding` about the measured value of a curve."""
-    return Finding(severity, f"{name}.csv", FORMS[name].columns[-1], found, allowed, likely)
+    return Finding(severity, f"{name}.csv", CURVES[name].columns[-1], found, allowed, likely)
 
 
 def at_point(curve, row):

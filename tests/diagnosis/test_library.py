@@ -4,29 +4,20 @@ from math import inf
 
 import numpy as np
 import pytest
-from toy_laboratory import ToyRunner, film
+from toy_laboratory import PlannedQuestion, ToyRunner, film
 
 from fvcollapse import load_experiment
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.diagnosis import effect_library as library
-from fvcollapse.diagnosis.effect_library import (
-    Reading,
-    applicable_effects,
-    baseline_cases,
-    build_library,
-    closures_of,
-    design,
-    draw,
-    ensemble_runs,
-    flow_case,
-    nuisances,
-    refined,
-    run_end,
-    with_nuisances,
-)
+from fvcollapse.diagnosis.baseline import baseline_cases, refined, run_end
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
 from fvcollapse.diagnosis.grid_correction import reference_level
-from fvcollapse.diagnosis.points import choose_points
+from fvcollapse.diagnosis.levels import applicable_effects, closures_of, design
+from fvcollapse.diagnosis.library import build_library
+from fvcollapse.diagnosis.nuisances import Nuisance, draw, ensemble_runs, nuisances, with_nuisances
+from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.reading import Reading
+from fvcollapse.diagnosis.runner import flow_case
 from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
 
@@ -213,7 +204,7 @@ def test_mu_2_stays_above_mu_1(experiments, cases):
 
 
 def test_a_slope_is_never_negative():
-    level = library.Nuisance("geometry.slope_angle_deg", ("a",), 0.0, 0.2)
+    level = Nuisance("geometry.slope_angle_deg", ("a",), 0.0, 0.2)
     assert level.value(-1.0) == pytest.approx(0.2)
     assert level.realised(-1.0) == pytest.approx(1.0)
     steep = level._replace(mean=29.9, sd=1.0)
@@ -226,7 +217,9 @@ def test_a_slope_is_never_negative():
 
 def test_library_holds_baselines_ensemble_and_responses(experiments, cases):
     runner = ToyRunner()
-    found = build_library(experiments[:2], cases, runner, ["gate", "bed_friction"], draws=6)
+    found = build_library(
+        PlannedQuestion(experiments[:2], planned=cases), runner, ["gate", "bed_friction"], draws=6
+    )
     size = len(found.points)
     assert found.points.names == ("s10_w0.1", "s16_w0.1")
     assert found.coarse.shape == found.fine.shape == (size,)
@@ -243,7 +236,9 @@ def test_library_holds_baselines_ensemble_and_responses(experiments, cases):
 def test_a_response_is_that_of_the_finer_grid_where_it_was_run_there(experiments, cases):
     """At the level of reference exactly; at the others in proportion to their own response."""
     one = experiments[0]
-    found = build_library([one], cases, ToyRunner(), ["bed_friction"], draws=4)
+    found = build_library(
+        PlannedQuestion((one,), planned=cases), ToyRunner(), ["bed_friction"], draws=4
+    )
     (closure,), (response,) = found.closures["bed_friction"], found.responses["bed_friction"]
     level = closure.levels()[reference_level(closure.levels())]
     case = cases[one.name].replace(**{"effects.bed_friction": closure.section(level)})
@@ -258,14 +253,19 @@ def test_a_response_is_that_of_the_finer_grid_where_it_was_run_there(experiments
 
 def test_a_failed_run_on_the_finer_grid_costs_the_correction_only(experiments, cases):
     runner = Failing(lambda label: label[1] == "fine")
-    found = build_library(experiments[:1], cases, runner, ["bed_friction"], draws=4)
+    found = build_library(
+        PlannedQuestion(experiments[:1], planned=cases), runner, ["bed_friction"], draws=4
+    )
     assert set(found.responses) == {"bed_friction"}
     assert found.corrections == {}
 
 
 def test_effects_do_not_act_in_controls(experiments, cases):
     found = build_library(
-        experiments[:1], cases, ToyRunner(), ["bed_friction"], experiments[1:2], draws=4
+        PlannedQuestion(experiments[:1], controls=experiments[1:2], planned=cases),
+        ToyRunner(),
+        ["bed_friction"],
+        draws=4,
     )
     control = found.points.of("s16_w0.1")
     (response,) = found.responses["bed_friction"]
@@ -277,7 +277,9 @@ def test_walls_act_only_where_there_are_some(experiments, cases):
     mixed = cases | {
         "s10_w0.1": cases["s10_w0.1"].replace(**{"geometry.channel_width": inf}),
     }
-    found = build_library(experiments[:2], mixed, ToyRunner(), ["lateral_friction"], draws=4)
+    found = build_library(
+        PlannedQuestion(experiments[:2], planned=mixed), ToyRunner(), ["lateral_friction"], draws=4
+    )
     for response in found.responses["lateral_friction"]:
         assert not response.differences[:, found.points.of("s10_w0.1")].any()
         assert response.differences[:, found.points.of("s16_w0.1")].any()
@@ -288,7 +290,7 @@ def test_an_effect_without_a_trace_is_left_out(tmp_path):
     for name in ("front", "profiles", "interface"):
         (folder / f"{name}.csv").unlink()
     one = load_experiment(folder)
-    found = build_library([one], baseline_cases([one]), ToyRunner(), ["cohesion"], draws=4)
+    found = build_library(Question((one,)), ToyRunner(), ["cohesion"], draws=4)
     assert found.left_out == {"cohesion": "it changes nothing that was measured"}
     assert found.responses == {}
 
@@ -298,7 +300,9 @@ def test_an_effect_that_the_case_refuses_is_left_out(experiments, cases, monkeyp
     effect = CATALOGUE["cohesion"]._replace(priors={"kappa_0": prior})
     monkeypatch.setitem(CATALOGUE, "cohesion", effect)
     effects = ["cohesion", "bed_friction"]
-    found = build_library(experiments[:1], cases, ToyRunner(), effects, draws=4)
+    found = build_library(
+        PlannedQuestion(experiments[:1], planned=cases), ToyRunner(), effects, draws=4
+    )
     assert set(found.responses) == {"bed_friction"}
     assert "effects.cohesion.kappa_0 cannot be" in found.left_out["cohesion"]
 
@@ -318,10 +322,17 @@ class Failing(ToyRunner):
 
 def test_failed_runs_cost_a_draw_or_an_effect_not_the_diagnosis(experiments, cases):
     fails = lambda label: label[0] == "draw" and label[1] == 2  # noqa: E731
-    found = build_library(experiments[:2], cases, Failing(fails), ["cohesion"], draws=6)
+    found = build_library(
+        PlannedQuestion(experiments[:2], planned=cases), Failing(fails), ["cohesion"], draws=6
+    )
     assert found.samples.shape[0] == found.draws.shape[0] == 5
     fails = lambda label: label[0] == ("cohesion", 0) and label[1] != 0  # noqa: E731
-    found = build_library(experiments[:2], cases, Failing(fails), ["cohesion", "gate"], draws=4)
+    found = build_library(
+        PlannedQuestion(experiments[:2], planned=cases),
+        Failing(fails),
+        ["cohesion", "gate"],
+        draws=4,
+    )
     assert set(found.responses) == {"gate"}
     assert "3 of its 4 runs fail: it blew up" in found.left_out["cohesion"]
 
@@ -343,13 +354,17 @@ def test_a_draw_that_is_no_legal_case_is_a_failed_draw(experiments, cases):
 def test_a_baseline_that_fails_ends_it(experiments, cases, what):
     runner = Failing(lambda label: label[0] == what)
     with pytest.raises(NumericalError, match="it blew up"):
-        build_library(experiments[:1], cases, runner, ["cohesion"], draws=4)
+        build_library(
+            PlannedQuestion(experiments[:1], planned=cases), runner, ["cohesion"], draws=4
+        )
 
 
 def test_too_few_draws_are_an_error(experiments, cases):
     runner = Failing(lambda label: label[0] == "draw" and label[1] > 2)
     with pytest.raises(NumericalError, match="5 of 8 draws of the calibrated parameters fail"):
-        build_library(experiments[:1], cases, runner, ["cohesion"], draws=8)
+        build_library(
+            PlannedQuestion(experiments[:1], planned=cases), runner, ["cohesion"], draws=8
+        )
 
 
 def test_reading_is_in_the_order_of_the_points(experiments, cases):

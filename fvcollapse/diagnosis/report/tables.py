@@ -1,120 +1,18 @@
-"""The report as one HTML page that needs no other file, and its figures as files of their own."""
+"""Tables of the page: rows of words and numbers."""
 
-import re
-from pathlib import Path
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
-
-from fvcollapse.diagnosis import report_words as words
+from fvcollapse.diagnosis.names import BASELINE
 from fvcollapse.diagnosis.points import PHASES
-from fvcollapse.diagnosis.report import BASELINE, RUNGS
-from fvcollapse.diagnosis.report_figures import pictures
+from fvcollapse.diagnosis.report import words
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.errors import OutputError
-from fvcollapse.files.atomic import write_atomic
-from fvcollapse.version import __version__
+from fvcollapse.measure.quantities import observable_words, shown_gap, shown_value
 
-TEMPLATE = "report.html.j2"
-PAGE, FIGURES = "report.html", "figures"
 SHARE_LEAST = 0.005  # of the squared gap: what is less is not listed
-GROUPS_OPEN = 4  # experiments whose overlays are shown at once
-REGIONS_OPEN = 8  # listed at once; the rest behind a click
 PRIORS = {
     "uniform": "{0} to {1}",
     "loguniform": "{0} to {1}, logarithmic",
     "normal": "{0} \N{PLUS-MINUS SIGN} {1}",
     "halfnormal": "from {0} upwards, scale {1}",
 }
-
-
-def write_page(report, folder):
-    """Put `report.html` and `figures/` into a folder; the path of the page.
-
-    Parameters
-    ----------
-    report : Report
-        As `read_report` gives it.
-    folder : str or Path
-
-    Raises
-    ------
-    OutputError
-    """
-    folder = Path(folder)
-    try:
-        (folder / FIGURES).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(folder / FIGURES, error, running=True) from None
-    chapters = pictures(report)
-    for picture in (picture for chapter in chapters.values() for picture in chapter):
-        write_atomic(folder / FIGURES / f"{picture.name}.svg", picture.svg)
-    path = folder / PAGE
-    write_atomic(path, render(report, chapters).encode())
-    return path
-
-
-def render(report, chapters):
-    """The page as text; `chapters` are the `pictures` of the report."""
-    environment = Environment(
-        loader=PackageLoader("fvcollapse.diagnosis"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
-        "number": words.number,
-        "tenths": words.tenths,
-        "percent": words.percent,
-        "span": words.span,
-        "hypothesis": words.hypothesis_name,
-        "observable": words.observable_name,
-        "meaning": words.effect_meaning,
-        "listed": words.listed,
-        "region": words.region_words,
-        "prior": prior_words,
-    }
-    every = [picture for chapter in chapters.values() for picture in chapter]
-    return environment.get_template(TEMPLATE).render(
-        report=report,
-        details=report.details,
-        figures=chapters,
-        inline={p.name: inline(p, f"f{n}") for n, p in enumerate(every)},
-        overlays=overlay_groups(report, chapters["overlays"]),
-        answer=words.answer(report),
-        headline=words.headline(report),
-        named=words.named(report),
-        expected=words.expected_gaps(report),
-        tested=any(one.conformal_p is not None for one in report.details.hypotheses.values()),
-        after=words.after_model(report),
-        model=lambda model: words.model_name(model, report),
-        confirmed=report.details.confirmation and words.wording(report.details.confirmation),
-        rungs=RUNGS,
-        set_ups=set_up_rows(report),
-        regions=sorted(report.where, key=lambda region: -region.significance),
-        regions_open=REGIONS_OPEN,
-        groups_open=GROUPS_OPEN,
-        gaps=gap_rows(report),
-        shares=share_table(report),
-        scalars=scalar_rows(report),
-        candidates=candidate_rows(report),
-        reductions=reduction_rows(report),
-        rung_values=rung_rows(report),
-        absorbed=absorbed_rows(report),
-        version=__version__,
-    )
-
-
-def inline(picture, prefix):
-    """A figure as an element of the page; `prefix` keeps its identifiers apart from those of others."""
-    svg = picture.svg.decode()
-    svg = re.sub(r'( id="|url\(#|href="#)', rf"\g<1>{prefix}-", svg[svg.index("<svg") :])
-    label = escape(picture.alt)
-    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))
-
-
-# -- tables --------------------------------------------------------------------------------------
 
 
 def set_up_rows(report):
@@ -141,7 +39,7 @@ def gap_rows(report):
     """(observable, rms gap, combined uncertainty, unit, ratio, points) as shown."""
     rows = []
     for name, gap in report.by_observable.items():
-        factor, unit = words.shown_gap(name, gap.units)
+        factor, unit = shown_gap(name, gap.units)
         rms, combined = (
             words.number(factor * part, 2) for part in (gap.rms_gap, gap.combined_uncertainty)
         )
@@ -171,7 +69,7 @@ def scalar_rows(report):
     for one in report.details.comparisons:
         if one.time is not None:
             continue
-        factor, unit = words.shown_value(one.observable, one.units)
+        factor, unit = shown_value(one.observable, one.units)
         sign = {
             "value": "",
             "upper": "\N{LESS-THAN OR EQUAL TO} ",
@@ -209,8 +107,8 @@ def reduction_rows(report):
     for name in names:
         parts = [group.by_observable.get(name) if group else None for group in groups]
         units = next(part.units for part in parts if part)
-        shown = words.shown_gap(name, units)
-        rows.append((words.observable_name(name), *(reduction_cell(part, shown) for part in parts)))
+        shown = shown_gap(name, units)
+        rows.append((observable_words(name), *(reduction_cell(part, shown) for part in parts)))
     return rows
 
 

@@ -1,0 +1,130 @@
+"""How strongly a cause may be stated: the tests that the runs of the ladder pass or fail."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.stats import chi2
+
+from fvcollapse.diagnosis.closing import closing, gaps_of
+from fvcollapse.diagnosis.ladder import fold_fractions
+from fvcollapse.diagnosis.names import EFFECT, NAMED, RECALIBRATED, RUNNER_UP, WINNER
+
+PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
+AT_BOUND = 1.0e-3  # quantile nearer than which to the end of the range a fit has been stopped by it
+CHECK_PASSED = 0.05  # p-value of the predictive check
+
+
+CONFIRMED, CONSISTENT, NOT_CONFIRMED = "confirmed", "consistent with", "not confirmed"
+
+
+class FoldTest(NamedTuple):
+    """Fractions closed in one experiment that took no part; `rival` None: the rival was not run."""
+
+    experiment: str
+    held_out: bool
+    winner: float
+    rival: float | None
+
+    @property
+    def is_won(self):
+        """Whether the winner closes more than its rival."""
+        return self.rival is None or self.winner > self.rival
+
+
+class ConfirmationTests(NamedTuple):
+    """The tests of a cause.
+
+    Attributes
+    ----------
+    rival : str
+        Model that the winner must beat: the runner-up, else the re-calibrated one.
+    folds : tuple of FoldTest
+    has_held_out : bool
+        Whether an experiment was held out.
+    parameters_inside : bool
+        Whether the parameters lie inside the central 98 % of their priors.
+    p_value : float
+        Predictive check of the gap that remains.
+    gain : float
+        Fraction of the fitted gap that the winner closes.
+    is_alone : bool
+        Whether one hypothesis is named, and the data can tell it from all others.
+    """
+
+    rival: str
+    folds: tuple
+    has_held_out: bool
+    parameters_inside: bool
+    p_value: float
+    gain: float
+    is_alone: bool
+
+    @property
+    def passes_check(self):
+        """Whether the gap that remains passes the predictive check."""
+        return self.p_value >= CHECK_PASSED
+
+    @property
+    def shrinks(self):
+        """Whether the gap shrinks in every experiment that was held out."""
+        return all(fold.winner > 0.0 for fold in self.folds if fold.held_out)
+
+    @property
+    def strength(self):
+        """The strongest statement that the tests allow."""
+        held_out = [fold.is_won for fold in self.folds if fold.held_out]
+        sound = self.parameters_inside and self.passes_check and self.is_alone
+        if held_out and all(held_out) and self.shrinks and sound:
+            return CONFIRMED
+        beats_none = bool(self.folds) and not any(fold.is_won for fold in self.folds)
+        if self.gain <= 0.0 or not self.passes_check or beats_none:
+            return NOT_CONFIRMED
+        return CONSISTENT
+
+
+def confirm(analysis, verdict, ladder):
+    """The `ConfirmationTests` of the cause; None where none is named or its runs failed."""
+    if verdict.kind not in NAMED or WINNER not in ladder.fitted.simulated:
+        return None
+    rival = RUNNER_UP if RUNNER_UP in ladder.fitted.simulated else RECALIBRATED
+    folds = tuple(
+        FoldTest(name, held_out, fractions[WINNER], fractions.get(rival))
+        for (name, held_out), fractions in fold_fractions(ladder).items()
+        if WINNER in fractions
+    )
+    hypothesis = analysis.evidence.hypotheses[ladder.names[WINNER]]
+    return ConfirmationTests(
+        rival=rival,
+        folds=folds,
+        has_held_out=ladder.held_out is not None,
+        parameters_inside=all(is_inside(u) for _, u in ladder.fits[WINNER].effects.values()),
+        p_value=predictive_check(analysis, ladder, hypothesis),
+        gain=closing(ladder.fitted, WINNER, slice(None), analysis.seed).fraction,
+        is_alone=is_alone(verdict, ladder.names[WINNER]),
+    )
+
+
+def is_alone(verdict, winner):
+    """Whether one hypothesis is named, and none of its effects looks like another."""
+    confused = {name for group in verdict.indistinguishable if len(group) > 1 for name in group}
+    return (verdict.kind == EFFECT or "+" in winner) and not confused & set(verdict.effects)
+
+
+def is_inside(u):
+    """Whether quantiles lie inside the central 98 %, at whose ends a fit stops."""
+    return bool(np.all(np.abs(np.asarray(u) - 0.5) < 0.5 - PLAUSIBLE - AT_BOUND))
+
+
+def predictive_check(analysis, ladder, hypothesis):
+    """p-value of what remains in the true runs with the winner."""
+    gap = gaps_of(ladder.fitted, WINNER)
+    own = analysis.own
+    covariance = ladder.fitted.covariance
+    if not analysis.controls:
+        covariance = covariance + analysis.library.set_up_covariance[own, own]
+    covariance = covariance + hypothesis.sigma**2 * analysis.kernel
+    counted = (analysis.points.kind == "value") | (gap != 0.0)
+    factor = cho_factor(covariance[np.ix_(counted, counted)], lower=True, check_finite=False)
+    square = gap[counted] @ cho_solve(factor, gap[counted], check_finite=False)
+    return float(chi2.sf(square, np.count_nonzero(counted)))

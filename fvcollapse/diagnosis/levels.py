@@ -1,0 +1,140 @@
+"""Levels of the effects: the quantiles of their priors at which they are run, closure by closure."""
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.diagnosis.baseline import refined
+from fvcollapse.diagnosis.grid_correction import reference_level
+from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.errors import CaseError, InputError
+
+LEVELS_1D = (0.05, 0.35, 0.65, 0.95)
+LEVELS_RANGE = (0.06, 0.94)  # of the quantiles in more dimensions
+NEED_WALLS = ("lateral_friction", "transverse_profile")  # act only between lateral walls
+
+
+class Closure(NamedTuple):
+    """One closure of an effect: its parameters, and the other keys of its section."""
+
+    effect: str
+    parameters: tuple
+    keys: dict
+
+    def values(self, u):
+        """{parameter: value} at the quantiles u (d,)."""
+        priors = CATALOGUE[self.effect].priors
+        pairs = zip(self.parameters, np.atleast_1d(u), strict=True)
+        return {name: float(priors[name].distribution().ppf(share)) for name, share in pairs}
+
+    def section(self, u):
+        """The keys of `[effects.<name>]` at the quantiles u."""
+        return self.keys | self.values(u)
+
+    def levels(self):
+        """The quantiles (m, d) at which the effect is run."""
+        return design(len(self.parameters))
+
+
+def closures_of(name):
+    """The closures of an effect of the catalogue."""
+    effect = CATALOGUE[name]
+    return tuple(
+        Closure(
+            name,
+            tuple(key for key in effect.priors if variant.get(key, "") is not None),
+            {key: value for key, value in variant.items() if value is not None},
+        )
+        for variant in effect.variants
+    )
+
+
+def design(dimension):
+    """Points (m, d) that fill the unit cube: four levels, or an additive recurrence (Roberts 2018)."""
+    if dimension == 1:
+        return np.array(LEVELS_1D)[:, None]
+    count = 2 * dimension + 3
+    root = 2.0  # of root^(d + 1) = root + 1, the golden ratio for d = 1
+    for _ in range(60):
+        root = (1.0 + root) ** (1.0 / (dimension + 1.0))
+    steps = root ** -np.arange(1.0, dimension + 1.0)
+    points = (0.5 + np.outer(np.arange(count), steps)) % 1.0
+    points = (points - points.min(axis=0)) / np.ptp(points, axis=0)
+    low, high = LEVELS_RANGE
+    return low + (high - low) * points
+
+
+def applicable_effects(cases, names=None):
+    """(names of the effects to compare, {name: why not} of the others).
+
+    Parameters
+    ----------
+    cases : dict
+        Of the experiments that are diagnosed.
+    names : sequence of str, optional
+        Only these.
+
+    Raises
+    ------
+    InputError
+        A name that is no effect of the catalogue.
+    """
+    known = [name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE]
+    for name in names or ():
+        if name not in known:
+            raise InputError("command line", "--effects", repr(name), ", ".join(known))
+    chosen, left_out = [], {}
+    for name in known:
+        if names and name not in names:
+            continue
+        if any(getattr(case.effects, name) is not None for case in cases.values()):
+            left_out[name] = "the baseline has it already"
+        elif not any(acts_in(name, case) for case in cases.values()):
+            left_out[name] = "no experiment states a channel width"
+        else:
+            chosen.append(name)
+    return chosen, left_out
+
+
+def acts_in(name, case):
+    """Whether an effect can act in the set-up of a case."""
+    return name not in NEED_WALLS or case.geometry.channel_width < inf
+
+
+def effect_runs(closures, experiments, cases):
+    """Runs of all levels of the effects, and why the others cannot be.
+
+    Returns
+    -------
+    (dict, dict)
+        {label: (experiment, case)}, and {effect: reason} of those that a case cannot have.
+    """
+    wanted, refused = {}, {}
+    for name, variants in closures.items():
+        levels = {}
+        try:
+            for experiment in experiments:
+                if acts_in(name, cases[experiment.name]):
+                    levels |= level_cases(variants, experiment, cases[experiment.name])
+        except CaseError as error:
+            refused[name] = f"{error.key} cannot be {error.found} in this case"
+            continue
+        wanted |= levels
+    return wanted, refused
+
+
+def level_cases(closures, experiment, case):
+    """{label: (experiment, case)} of an effect at all levels of its closures, and at one on the finer grid."""
+    found = {}
+    for number, closure in enumerate(closures):
+        key = closure.effect, number
+        levels = [
+            case.replace(**{f"effects.{closure.effect}": closure.section(u)})
+            for u in closure.levels()
+        ]
+        for level, each in enumerate(levels):
+            found[key, level, experiment.name] = (experiment, each)
+        fine = refined(levels[reference_level(closure.levels())])
+        found[key, "fine", experiment.name] = (experiment, fine)
+    return found

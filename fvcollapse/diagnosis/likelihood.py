@@ -1,0 +1,187 @@
+"""Likelihood of a gap with and without an effect, bounds included, for one size of the discrepancy.
+
+    N(gap + Delta_k(u); 0, C_k(s, u)),    C_k(s, u) = U + s^2 K_delta + Sigma_emulator,k(u).
+
+Everything that does not depend on the gap is whitened once (`Whitened`) and serves all gaps (`Seen`). A bound (kind
+upper or lower) contributes the probability, given all values, that it holds.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cholesky, qr, solve_triangular
+from scipy.stats import chi2
+
+from fvcollapse.diagnosis.orthant import log_probability_positive
+
+
+class ResponseColumns(NamedTuple):
+    """One closure of an effect (or of two) among all columns that are whitened."""
+
+    variant: tuple
+    responses: tuple
+    levels: np.ndarray  # columns of the differences
+    errors: np.ndarray  # and of the errors of the emulator
+
+
+class Whitened:
+    """All columns multiplied by the inverse Cholesky factor of C(s), and their products."""
+
+    def __init__(self, comparison, sigma):
+        values, bounds = comparison.values, comparison.bounds
+        self.values, self.bounds, self.side = values, bounds, comparison.side
+        self.full = comparison.covariance + sigma**2 * comparison.kernel
+        self.factor = cholesky(self.full[np.ix_(values, values)], lower=True, check_finite=False)
+        self.log_determinant = 2.0 * np.log(np.diag(self.factor)).sum()
+        self.columns = self.solve(comparison.columns[values])
+        self.products = self.columns.T @ self.columns
+        self.coupling = self.solve(self.full[np.ix_(values, bounds)]).T
+        self.bound_columns = comparison.columns[bounds]
+        self.bound_covariance = self.full[np.ix_(bounds, bounds)] - self.coupling @ self.coupling.T
+        self.span, self.factors = None, {}
+
+    def solve(self, columns):
+        """Inverse Cholesky factor times columns."""
+        return solve_triangular(self.factor, columns, lower=True, check_finite=False)
+
+    def see(self, gap):
+        """The gap whitened in the same way."""
+        return Seen(self, gap)
+
+    def chi_square_p(self, residual, errors, mask):
+        """Probability of a larger chi-square of the masked points; 1 where there is none.
+
+        `errors` (m, N), whose squares are added to the covariance, may be None.
+        """
+        rows = np.flatnonzero(mask)
+        if len(rows) == 0:
+            return 1.0
+        key = rows.tobytes()
+        if key not in self.factors:
+            part = self.full[np.ix_(rows, rows)]
+            self.factors[key] = cholesky(part, lower=True, check_finite=False)
+        columns = residual[rows, None]
+        if errors is not None:
+            columns = np.hstack([columns, errors[:, rows].T])
+        white = solve_triangular(self.factors[key], columns, lower=True, check_finite=False)
+        products = white.T @ white
+        square, met, spread = products[0, 0], products[0, 1:], products[1:, 1:]
+        square -= met @ np.linalg.solve(np.eye(len(met)) + spread, met)
+        return float(chi2.sf(square, len(rows)))
+
+    def basis(self):
+        """Orthonormal basis of the whitened columns; computed once."""
+        if self.span is None:
+            if 0 in self.columns.shape:  # no effects, or nothing but bounds was measured
+                self.span = self.columns[:, :0]
+            else:
+                self.span = span_of(self.columns)
+        return self.span
+
+
+def span_of(columns):
+    """Orthonormal basis (n, rank) of the span of columns (n, m).
+
+    By a pivoted QR: the iteration for singular values failed on columns of very different size.
+    """
+    basis, rest, _ = qr(columns, mode="economic", pivoting=True)
+    size = np.abs(np.diag(rest))
+    return basis[:, size > 1.0e-6 * max(size[0], 1.0e-300)]
+
+
+class Seen:
+    """A gap through the eyes of one C(s)."""
+
+    def __init__(self, whitened, gap):
+        self.whitened = whitened
+        self.gap = whitened.solve(gap[whitened.values])
+        self.bound_gap = gap[whitened.bounds]
+        self.square = float(self.gap @ self.gap)
+        self.projections = whitened.columns.T @ self.gap
+
+    def log_likelihood(self):
+        """Log-likelihood without an effect."""
+        own = self.whitened
+        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
+        expected = own.coupling @ self.gap
+        beyond = own.side * (expected - self.bound_gap)
+        return -0.5 * (self.square + constant) + float(
+            log_probability_positive(beyond[None], own.bound_covariance[None], own.side)[0]
+        )
+
+    def log_likelihood_with(self, closure, weights, variance):
+        """Log-likelihood with an effect, (q,).
+
+        Parameters
+        ----------
+        closure : ResponseColumns
+        weights : (q, n) array
+            Of the levels at the q nodes.
+        variance : (q,) array
+            Factor of the squared errors of the emulator there.
+        """
+        own, levels, errors = self.whitened, closure.levels, closure.errors
+        square = self.square + 2.0 * (weights @ self.projections[levels])
+        square += ((weights @ own.products[np.ix_(levels, levels)]) * weights).sum(1)
+        # errors = latent amplitudes of variance `variance`: Sherman-Morrison-Woodbury in their eigenbasis
+        size, turn = np.linalg.eigh(own.products[np.ix_(errors, errors)])
+        size = np.maximum(size, 0.0)
+        met = self.projections[errors] + weights @ own.products[np.ix_(levels, errors)]
+        met = met @ turn
+        growth = 1.0 + variance[:, None] * size
+        shrunk = variance[:, None] / growth
+        square -= (met**2 * shrunk).sum(1)
+        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
+        log_values = -0.5 * (square + constant + np.log(growth).sum(1))
+        if len(own.bounds) == 0:
+            return log_values
+        # the bounds, given the values: mean and covariance of what they miss
+        error_columns = own.columns[:, errors] @ turn
+        own_errors = own.bound_columns[:, errors] @ turn - own.coupling @ error_columns
+        residual = self.bound_gap + weights @ own.bound_columns[:, levels].T
+        expected = own.coupling @ self.gap + weights @ (own.coupling @ own.columns[:, levels]).T
+        expected = expected + (met * shrunk) @ own_errors.T
+        products = own_errors.T[:, :, None] * own_errors.T[:, None, :]
+        spread = np.tensordot(shrunk, products, 1)
+        spread += own.bound_covariance
+        beyond = own.side * (expected - residual)
+        return log_values + log_probability_positive(beyond, spread, own.side)
+
+    def outside(self, difference):
+        """Mean square of the whitened residual outside the span of all responses."""
+        basis = self.whitened.basis()
+        residual = self.gap + self.whitened.solve(difference[self.whitened.values])
+        rest = residual - basis @ (basis.T @ residual)
+        return float(rest @ rest / max(len(rest) - basis.shape[1], 1))
+
+
+def joined(first, second):
+    """The closure of two effects together."""
+    return ResponseColumns(
+        first.variant + second.variant,
+        first.responses + second.responses,
+        np.concatenate([first.levels, second.levels]),
+        np.concatenate([first.errors, second.errors]),
+    )
+
+
+def level_weights(closure, u):
+    """Weights (q, n) of the levels of a closure and variance (q,) of its errors.
+
+    Of two effects the larger variance holds for the errors of both.
+    """
+    weights, variances, start = [], [], 0
+    for response in closure.responses:
+        own, variance = response.weights(u[:, start : start + response.dimension])
+        start += response.dimension
+        weights.append(own)
+        variances.append(variance)
+    return np.hstack(weights), np.max(variances, axis=0)
+
+
+def response_at(closure, u):
+    """Difference (N,) and errors (m, N), whose squares sum to their covariance, at u (d,)."""
+    weights, variance = level_weights(closure, u[None])
+    levels = np.vstack([each.differences for each in closure.responses])
+    errors = np.vstack([each.errors for each in closure.responses])
+    return weights[0] @ levels, np.sqrt(variance[0]) * errors

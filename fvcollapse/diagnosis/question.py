@@ -1,0 +1,78 @@
+"""The question of a diagnosis: which experiments, held against which model."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from fvcollapse.case.case import Case
+from fvcollapse.diagnosis.baseline import baseline_cases
+from fvcollapse.diagnosis.point_choice import choose_points
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is compared with what; everything that follows from it is computed once.
+
+    Attributes
+    ----------
+    experiments, held_out, controls : tuple of Experiment
+        Those to fit; those that only test the answer; those in which nothing is hidden, which teach
+        the discrepancy of the model.
+    believed : Case, optional
+        The model as it is believed; without it the defaults with the set-up of each experiment, no effects.
+    cell_size : float, optional
+        Of the coarser of the two grids [m]; default height / 12 (length / 6 if that is less).
+    seed : int
+        Of all random draws.
+    """
+
+    experiments: tuple
+    held_out: tuple = ()
+    controls: tuple = ()
+    believed: Case | None = None
+    cell_size: float | None = None
+    seed: int = 0
+
+    def check(self):
+        """Refuse an experiment that is given twice, and cells too large for a column.
+
+        Raises
+        ------
+        InputError
+        """
+        choose_points((*self.experiments, *self.held_out, *self.controls))
+        _ = self.cases, self.held_out_cases
+
+    @property
+    def simulated(self):
+        """Experiments whose effects and parameters are varied: those to fit, then the controls."""
+        return (*self.experiments, *self.controls)
+
+    @cached_property
+    def points(self):
+        """`Points` of the experiments to fit."""
+        return choose_points(self.experiments)
+
+    @cached_property
+    def all_points(self):
+        """`Points` of the experiments to fit and of the controls, in this order."""
+        return choose_points(self.simulated)
+
+    @cached_property
+    def held_out_points(self):
+        """`Points` of the experiments held out; there must be one."""
+        return choose_points(self.held_out)
+
+    @cached_property
+    def cases(self):
+        """{name: `Case` on the coarser grid} of the experiments to fit and of the controls."""
+        return baseline_cases(self.simulated, self.believed, self.cell_size)
+
+    @cached_property
+    def held_out_cases(self):
+        """{name: `Case` on the coarser grid} of the experiments held out."""
+        return baseline_cases(self.held_out, self.believed, self.cell_size)
+
+    @property
+    def baseline(self):
+        """`Case` of the first experiment: the model as given."""
+        return self.cases[self.experiments[0].name]

@@ -1,0 +1,149 @@
+"""Observations of labelled runs as vectors over the points of comparison, and the responses in them."""
+
+from contextlib import suppress
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.diagnosis.emulator import Response
+from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
+from fvcollapse.errors import NumericalError
+
+FAILED_LEVELS = 0.34  # share of the runs of a closure that may fail
+
+
+class Responses(NamedTuple):
+    """Responses of the effects.
+
+    Attributes
+    ----------
+    responses : dict
+        Effect -> list of `Response`, one for each closure.
+    corrections : dict
+        (effect, number of the closure) -> `GridCorrection`, where the run on the finer grid did not fail.
+    left_out : dict
+        Effect -> why it has no response.
+    """
+
+    responses: dict
+    corrections: dict
+    left_out: dict
+
+
+def measured_responses(reading, closures):
+    """The `Responses` of effects: of those that change a measured value.
+
+    Parameters
+    ----------
+    reading : Reading
+    closures : dict
+        Effect -> its `Closure`s.
+    """
+    responses, corrections, left_out = {}, {}, {}
+    for name, variants in closures.items():
+        try:
+            pairs = [reading.response(n, closure) for n, closure in enumerate(variants)]
+        except NumericalError as error:
+            left_out[name] = str(error)
+            continue
+        if not any(changes_something(response) for response, _ in pairs):
+            left_out[name] = "it changes nothing that was measured"
+            continue
+        responses[name] = [response for response, _ in pairs]
+        corrections |= {
+            (name, n): correction for n, (_, correction) in enumerate(pairs) if correction
+        }
+    return Responses(responses, corrections, left_out)
+
+
+def changes_something(response):
+    """Whether a response differs from zero anywhere."""
+    return np.abs(response.differences).max() > 0.0
+
+
+class Reading:
+    """Observations of labelled runs (what, number, experiment) as vectors over the points."""
+
+    def __init__(self, points, seen, failures):
+        self.points, self.seen, self.failures = points, seen, failures
+        self.parts = points.parts
+
+    @cached_property
+    def coarse(self):
+        """Baseline on the coarser grid, (N,)."""
+        return self.vector("coarse", None)
+
+    @cached_property
+    def fine(self):
+        """Baseline on the finer grid, (N,)."""
+        return self.vector("fine", None)
+
+    def vector(self, what, number, base=None):
+        """(N,) of the runs of one label; where it was not run for an experiment, `base` there.
+
+        Raises
+        ------
+        NumericalError
+            One of the runs failed.
+        """
+        parts = []
+        for name, part in self.parts.items():
+            label = (what, number, name)
+            if label in self.failures:
+                raise self.failures[label]
+            if label in self.seen:
+                parts.append(part.simulated({name: self.seen[label]}))
+            else:
+                parts.append(base[self.points.of(name)])
+        return np.concatenate(parts)
+
+    def ensemble(self, count):
+        """(samples (m, N), indices of the draws) of the draws that no experiment failed in."""
+        samples, kept, failure = [], [], None
+        for n in range(count):
+            try:
+                samples.append(self.vector("draw", n))
+                kept.append(n)
+            except NumericalError as error:
+                failure = error
+        if len(kept) < max(4, count // 2):
+            what = f"{count - len(kept)} of {count} draws of the calibrated parameters fail"
+            raise NumericalError(f"{what}, the last: {failure}")
+        return np.array(samples), kept
+
+    def correction(self, key, reference):
+        """The `GridCorrection` of a closure whose response at the level of reference is known on the coarser grid.
+
+        Raises
+        ------
+        NumericalError
+            Its run on the finer grid failed.
+        """
+        change = self.vector(key, "fine", self.fine) - self.fine - reference
+        return GridCorrection(reference, change, 1.0 / self.points.sigma)
+
+    def response(self, number, closure):
+        """The `Response` of a closure, and its `GridCorrection`; None where the finer run failed.
+
+        Raises
+        ------
+        NumericalError
+            Too many of its runs failed.
+        """
+        key, levels = (closure.effect, number), closure.levels()
+        differences, failure = {}, None
+        for n in range(len(levels)):
+            try:
+                differences[n] = self.vector(key, n, self.coarse) - self.coarse
+            except NumericalError as error:
+                failure = error
+        if len(differences) < max(2, (1.0 - FAILED_LEVELS) * len(levels)):
+            failed = len(levels) - len(differences)
+            raise NumericalError(f"{failed} of its {len(levels)} runs fail: {failure}")
+        correction = None
+        if (reference := differences.get(reference_level(levels))) is not None:
+            with suppress(NumericalError):
+                correction = self.correction(key, reference)
+        changes = np.array([*map(correction or np.asarray, differences.values())])
+        return Response.fit(levels[list(differences)], changes), correction

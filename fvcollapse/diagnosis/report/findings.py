@@ -1,0 +1,219 @@
+"""The results of a diagnosis as a `Report`."""
+
+from math import inf
+
+import numpy as np
+
+from fvcollapse.diagnosis.closing import gaps_of
+from fvcollapse.diagnosis.confirmation import confirm
+from fvcollapse.diagnosis.names import BASELINE, NAMED
+from fvcollapse.diagnosis.report import schema as form
+from fvcollapse.diagnosis.report.candidates import candidates, hypotheses, separability
+from fvcollapse.diagnosis.report.limits import grain_words, limits, model_words
+from fvcollapse.diagnosis.report.reductions import confirmation_of, reductions, rms, rungs
+from fvcollapse.diagnosis.report.regions import region_lines
+from fvcollapse.diagnosis.report.words import candidate_words
+
+
+def report_of(analysis, verdict, ladder, choices, cost, model=None):
+    """The `Report` of a diagnosis.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    verdict : Verdict
+    ladder : Ladder
+    choices : list of Choice
+        What to measure next, the best first.
+    cost : Cost
+    model : VerdictModel, optional
+        What the verdict was made with.
+    """
+    held = ladder.held_out.points.experiments if ladder.held_out else ()
+    upcoming = [next_experiment(choice) for choice in choices]
+    return form.Report(
+        experiments=[experiment.name for experiment in analysis.experiments],
+        held_out=[experiment.name for experiment in held],
+        baseline_case=analysis.question.baseline.to_toml(),
+        where=regions_of(analysis),
+        by_observable=levels_of(analysis),
+        verdict=form.Verdict(
+            kind=verdict.kind,
+            effects=list(verdict.effects),
+            indistinguishable=[list(group) for group in verdict.indistinguishable],
+            probability=dict(verdict.probability),
+            set=list(verdict.set),
+        ),
+        candidates=candidates(analysis, verdict),
+        reduction=reductions(ladder, analysis.seed) if verdict.kind in NAMED else None,
+        next_experiment=upcoming[0] if upcoming else None,
+        cost=cost,
+        details=form.Details(
+            expected=expected(analysis),
+            set_ups={
+                experiment.name: set_up(experiment) for experiment in (*analysis.experiments, *held)
+            },
+            comparisons=comparisons(analysis, ladder),
+            shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
+            budget=budget(analysis),
+            grains=grain_words(analysis.evidence.balance),
+            hypotheses=hypotheses(analysis, verdict),
+            separability=separability(analysis, verdict),
+            ladder=rungs(analysis, ladder),
+            confirmation=confirmation_of(confirm(analysis, verdict, ladder)),
+            alternatives=upcoming[1:],
+            limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
+        ),
+    )
+
+
+def regions_of(analysis):
+    """Significant regions of the gap."""
+    gap_map = analysis.gap_map
+    lines = region_lines(analysis.points, gap_map.regions)
+    return [
+        form.Region(
+            experiment=region.experiment,
+            observable=region.observable,
+            t_range=region.t_range,
+            x_range=region.x_range,
+            gap=region.gap,
+            units=region.units,
+            significance=float(np.abs(gap_map.z[region.points]).max()),
+            gap_sd=region.uncertainty,
+            p_value=region.p_value,
+            words=line,
+        )
+        for region, line in zip(gap_map.regions, lines, strict=True)
+    ]
+
+
+def levels_of(analysis):
+    """Size of the gap of every observable."""
+    observable = analysis.points.observable
+    return {
+        level.observable: form.ObservableGap(
+            rms_gap=level.rms,
+            combined_uncertainty=level.combined,
+            ratio=level.ratio,
+            units=level.units,
+            points=int(np.count_nonzero(observable == level.observable)),
+        )
+        for level in analysis.gap_map.by_observable
+        if not level.experiment
+    }
+
+
+def expected(analysis):
+    """Observable -> root mean square of the gap that the controls let expect, SI; empty without controls."""
+    if not analysis.controls:
+        return {}
+    observable = analysis.points.observable
+    return {
+        str(name): rms(analysis.shift[observable == name]) for name in dict.fromkeys(observable)
+    }
+
+
+def set_up(experiment):
+    """The set-up of an experiment."""
+    geometry = experiment.settings.geometry
+    width = geometry.channel_width
+    return form.SetUp(
+        title=experiment.settings.title,
+        source=experiment.settings.source,
+        slope_angle_deg=geometry.slope_angle_deg,
+        height_0=geometry.height_0,
+        length_0=geometry.length_0,
+        channel_width=None if width is None or width == inf else width,
+    )
+
+
+def comparisons(analysis, ladder):
+    """Every observable of every experiment with all models."""
+    combined = np.sqrt(np.diag(analysis.covariance))
+    region = np.full(len(analysis.points), -1)
+    for number, significant in enumerate(analysis.gap_map.regions):
+        region[significant.points] = number
+    pairs = group_comparisons(ladder.fitted, combined, region, analysis.gap_map.z)
+    if ladder.held_out is not None:
+        group = ladder.held_out
+        nowhere = np.full(len(group.points), -1)
+        pairs += group_comparisons(group, np.sqrt(np.diag(group.covariance)), nowhere)
+    return pairs
+
+
+def group_comparisons(group, combined, region, baseline=None):
+    """The `Comparison`s of a group.
+
+    Parameters
+    ----------
+    group : Group
+    combined : (n,) array
+        Standard uncertainties.
+    region : (n,) int array
+        -1: in none.
+    baseline : (n,) array, optional
+        z of the baseline, as the map of the gap has it.
+    """
+    points, pairs = group.points, []
+    phase = points.phase
+    z = {model: gaps_of(group, model) / combined for model in group.simulated}
+    if baseline is not None:
+        z[BASELINE] = baseline
+    for block in points.blocks:
+        rows = slice(block.start, block.stop)
+        pairs.append(
+            form.Comparison(
+                experiment=block.experiment,
+                observable=block.observable,
+                units=block.units,
+                time=None if np.isnan(block.time).all() else block.time,
+                x=None if np.isnan(block.x).all() else block.x,
+                measured=points.measured[rows],
+                sigma=points.sigma[rows],
+                combined=combined[rows],
+                simulated={model: values[rows] for model, values in group.simulated.items()},
+                z={model: values[rows] for model, values in z.items()},
+                kind=block.kind,
+                region=[int(n) if n >= 0 else None for n in region[rows]],
+                phase=phase[rows].tolist(),
+            )
+        )
+    return pairs
+
+
+def budget(analysis):
+    """Observable -> source of uncertainty -> its root mean square."""
+    points = analysis.points
+    sources = {
+        "measurement, single points": points.sigma**2,
+        "measurement, whole run": np.diag(analysis.measurement) - points.sigma**2,
+        "grid": np.diag(analysis.numerical),
+        "calibrated parameters and set-up": np.diag(analysis.calibration),
+    }
+    if analysis.controls:
+        sources = {
+            "measurement and grid": np.diag(analysis.measurement + analysis.numerical),
+        }
+        conditioned = np.diag(analysis.covariance) - sources["measurement and grid"]
+        sources["parameters, set-up and discrepancy, after the controls"] = conditioned
+    observable = points.observable
+    return {
+        str(name): {
+            source: float(np.sqrt(np.mean(np.maximum(values[observable == name], 0.0))))
+            for source, values in sources.items()
+        }
+        for name in dict.fromkeys(observable)
+    }
+
+
+def next_experiment(choice):
+    """A `Choice` as the report has it."""
+    finite = {key: value for key, value in choice.candidate.changes.items() if value < inf}
+    return form.NextExperiment(
+        description=candidate_words(choice.candidate),
+        separates=list(choice.separates),
+        expected_gain=choice.gain,
+        set_up=finite,
+        repeats=choice.repeats,
+    )

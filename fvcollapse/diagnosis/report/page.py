@@ -1,0 +1,144 @@
+"""The report as one HTML page that needs no other file, and its figures as files of their own."""
+
+import re
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from fvcollapse.diagnosis.names import RUNGS
+from fvcollapse.diagnosis.report import sentences, words
+from fvcollapse.diagnosis.report.figures import pictures
+from fvcollapse.diagnosis.report.regions import region_words
+from fvcollapse.diagnosis.report.tables import (
+    absorbed_rows,
+    candidate_rows,
+    gap_rows,
+    overlay_groups,
+    prior_words,
+    reduction_rows,
+    rung_rows,
+    scalar_rows,
+    set_up_rows,
+    share_table,
+)
+from fvcollapse.errors import OutputError
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.measure.quantities import observable_words
+from fvcollapse.version import __version__
+
+TEMPLATE = "report.html.j2"
+PAGE, FIGURES = "report.html", "figures"
+GROUPS_OPEN = 4  # experiments whose overlays are shown at once
+REGIONS_OPEN = 8  # listed at once; the rest behind a click
+
+
+def write_page(report, folder):
+    """Put `report.html` and `figures/` into a folder; the path of the page.
+
+    Parameters
+    ----------
+    report : Report
+        As `read_report` gives it.
+    folder : str or Path
+
+    Raises
+    ------
+    OutputError
+    """
+    folder = Path(folder)
+    try:
+        (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(folder / FIGURES, error, running=True) from None
+    chapters = pictures(report)
+    for picture in (picture for chapter in chapters.values() for picture in chapter):
+        write_atomic(folder / FIGURES / f"{picture.name}.svg", picture.svg)
+    path = folder / PAGE
+    write_atomic(path, render(report, chapters).encode())
+    return path
+
+
+def render(report, chapters):
+    """The page as text; `chapters` are the `pictures` of the report."""
+    pictured = [picture for chapter in chapters.values() for picture in chapter]
+    return (
+        environment()
+        .get_template(TEMPLATE)
+        .render(
+            report=report,
+            details=report.details,
+            figures=chapters,
+            inline={picture.name: inline(picture, f"f{n}") for n, picture in enumerate(pictured)},
+            overlays=overlay_groups(report, chapters["overlays"]),
+            **texts_of(report),
+            **tables_of(report),
+            rungs=RUNGS,
+            regions_open=REGIONS_OPEN,
+            groups_open=GROUPS_OPEN,
+            version=__version__,
+        )
+    )
+
+
+def environment():
+    """The environment of the template, with the words as filters."""
+    made = Environment(
+        loader=PackageLoader("fvcollapse.diagnosis.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {
+        "number": words.number,
+        "tenths": words.tenths,
+        "percent": words.percent,
+        "span": words.span,
+        "hypothesis": words.hypothesis_name,
+        "observable": observable_words,
+        "meaning": words.effect_meaning,
+        "listed": words.listed,
+        "region": region_words,
+        "prior": prior_words,
+    }
+    return made
+
+
+def texts_of(report):
+    """Sentences and names of the page, by their names in the template."""
+    hypotheses = report.details.hypotheses.values()
+    confirmation = report.details.confirmation
+    return {
+        "answer": sentences.answer(report),
+        "headline": sentences.headline(report),
+        "named": sentences.named(report),
+        "expected": sentences.expected_gaps(report),
+        "tested": any(summary.conformal_p is not None for summary in hypotheses),
+        "after": words.after_model(report),
+        "model": lambda model: words.model_name(model, report),
+        "confirmed": confirmation and sentences.wording(confirmation),
+    }
+
+
+def tables_of(report):
+    """Rows of the tables of the page, by their names in the template."""
+    return {
+        "set_ups": set_up_rows(report),
+        "regions": sorted(report.where, key=lambda region: -region.significance),
+        "gaps": gap_rows(report),
+        "shares": share_table(report),
+        "scalars": scalar_rows(report),
+        "candidates": candidate_rows(report),
+        "reductions": reduction_rows(report),
+        "rung_values": rung_rows(report),
+        "absorbed": absorbed_rows(report),
+    }
+
+
+def inline(picture, prefix):
+    """A figure as an element of the page; `prefix` keeps its identifiers apart from those of others."""
+    svg = picture.svg.decode()
+    svg = re.sub(r'( id="|url\(#|href="#)', rf"\g<1>{prefix}-", svg[svg.index("<svg") :])
+    label = escape(picture.alt)
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))

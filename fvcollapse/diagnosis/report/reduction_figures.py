@@ -1,0 +1,89 @@
+"""Figures of the ladder of models and of the sources of uncertainty."""
+
+from itertools import cycle
+
+import numpy as np
+
+from fvcollapse.diagnosis.names import RUNGS
+from fvcollapse.diagnosis.report.drawing import WIDTH, broken, picture, plain, shared_legend
+from fvcollapse.diagnosis.report.words import model_name
+from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
+from fvcollapse.measure.quantities import observable_words
+
+FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
+
+
+def ladder(report):
+    """Gap of each model and the fraction closed, in fitted and held-out experiments."""
+    rungs = report.details.ladder[::-1]
+    figure = new_figure(WIDTH, 1.2 + 0.62 * len(rungs))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for row, rung in enumerate(rungs):
+        draw_rung((left, right), row + 0.14, rung.fitted, BLUE, "o", "fitted")
+        if rung.held_out is not None:
+            draw_rung((left, right), row - 0.14, rung.held_out, ORANGE, "s", "held out")
+    labels = [f"{RUNGS[rung.model]}  {model_name(rung.model, report)}" for rung in rungs]
+    left.set_yticks(range(len(rungs)), [plain(broken(text)) for text in labels])
+    left.set(xlabel="rms gap in combined\nstandard uncertainties", ylim=(-0.5, len(rungs) - 0.5))
+    left.set_xlim(left=0.0)
+    right.axvline(0.0, color="black", lw=0.8)
+    right.set(xlabel="share of the gap of G0\nthat is closed (%)")
+    for axes in (left, right):
+        axes.grid(axis="x", lw=0.4)
+    shared_legend(figure, left, right)
+    alt = "gap of the model as given, re-calibrated, and with the first and second effect"
+    return picture(figure, "ladder", alt, "How far the gap shrinks")
+
+
+def draw_rung(panels, row, misfit, colour, marker, word):
+    """One model over one group: rms gap (single experiments small), fraction closed with its range."""
+    left, right = panels
+    singles = list(misfit.by_experiment.values())
+    if len(singles) > 1:
+        label = f"{word}, one experiment each"
+        left.plot(singles, [row] * len(singles), "|", color=colour, markersize=7, label=label)
+    left.plot(misfit.rms, row, marker, color=colour, markersize=6, label=f"{word}, all")
+    if misfit.interval is not None:
+        ends = [100.0 * end for end in misfit.interval]
+        right.plot(ends, [row, row], color=colour, lw=1.6)
+    if misfit.fraction_closed is not None:
+        right.plot(100.0 * misfit.fraction_closed, row, marker, color=colour, markersize=6)
+    if misfit.predicted is not None:
+        right.plot(
+            100.0 * misfit.predicted,
+            row,
+            "D",
+            color=GREEN,
+            markerfacecolor="none",
+            markersize=6,
+            label="predicted before running it",
+        )
+
+
+def budget(report):
+    """Share of the variance of the gap that each source of uncertainty has, by observable."""
+    table = report.details.budget
+    sources = list(dict.fromkeys(name for row in table.values() for name in row))
+    names = list(table)[::-1]
+    figure = new_figure(WIDTH, 1.3 + 0.3 * len(names))
+    axes = figure.subplots()
+    left = np.zeros(len(names))
+    for source, colour in zip(sources, cycle(FILLS), strict=False):
+        variance = np.array([table[name].get(source, 0.0) ** 2 for name in names])
+        total = np.array([sum(sd**2 for sd in table[name].values()) for name in names])
+        share = 100.0 * variance / np.where(total > 0.0, total, 1.0)
+        axes.barh(
+            np.arange(len(names)),
+            share,
+            left=left,
+            color=colour,
+            ec="white",
+            height=0.7,
+            label=source,
+        )
+        left += share
+    axes.set_yticks(range(len(names)), [observable_words(name) for name in names])
+    axes.set(xlim=(0.0, 100.0), xlabel="share of the variance of the gap (%)")
+    shared_legend(figure, axes)
+    alt = "share of each source in the combined uncertainty of each observable"
+    return picture(figure, "uncertainty", alt, "Where the combined uncertainty comes from")

@@ -1,0 +1,173 @@
+"""The result of a diagnosis as one tree of plain values: the content of `report.json`.
+
+The keys of `Report` up to `cost` are a stable interface; `details` holds what the page and the
+figures need beyond it. Numbers are SI. A list may hold gaps (NaN or infinite: null in the file); a
+single number may be absent (None) where its type says so, and is never NaN or infinite.
+"""
+
+from typing import Literal
+
+from fvcollapse.diagnosis.oddities import Oddity
+from fvcollapse.diagnosis.report.parts import Part
+from fvcollapse.diagnosis.report.schema_cause import (
+    Candidate,
+    HypothesisSummary,
+    Parameter,
+    PriorRange,
+    Separability,
+    Verdict,
+)
+from fvcollapse.diagnosis.report.schema_gap import Comparison, ObservableGap, Region, SetUp, Share
+from fvcollapse.diagnosis.report.schema_reduction import (
+    Closed,
+    Confirmation,
+    Fold,
+    Misfit,
+    Reduction,
+    Reductions,
+    Rung,
+)
+
+__all__ = [
+    "Candidate",
+    "Closed",
+    "Comparison",
+    "Confirmation",
+    "Cost",
+    "Details",
+    "Fold",
+    "HypothesisSummary",
+    "Misfit",
+    "NextExperiment",
+    "ObservableGap",
+    "Parameter",
+    "PriorRange",
+    "Reduction",
+    "Reductions",
+    "Region",
+    "Report",
+    "Rung",
+    "Separability",
+    "SetUp",
+    "Share",
+    "Verdict",
+]
+FORMAT = "fvcollapse-report"
+FORMAT_VERSION = 1
+
+
+class NextExperiment(Part):
+    """The measurement or set-up that would best separate what is left.
+
+    Attributes
+    ----------
+    description : str
+        In words, with numbers and units.
+    separates : list of str
+    expected_gain : float
+        Expected drop of the entropy of the probabilities [bit].
+    set_up : dict
+        Key -> value of the case.
+    repeats : int or None
+        Number of such experiments for a log Bayes factor of 5.
+    """
+
+    description: str
+    separates: list[str]
+    expected_gain: float
+    units: str = "bit"
+    set_up: dict[str, float] = {}
+    repeats: int | None = None
+
+
+class Cost(Part):
+    """What it took; `cached_runs` of the `solver_runs` were reused from the cache."""
+
+    solver_runs: int
+    wall_time_s: float
+    cell_size: float
+    cached_runs: int = 0
+
+
+class Details(Part):
+    """Everything that the page shows and that is no stable key.
+
+    Attributes
+    ----------
+    set_ups : dict
+        Experiment -> `SetUp`, fitted and held out.
+    expected : dict
+        Observable -> root mean square of the gap that the controls let expect, which is taken off, in its
+        units; empty without controls.
+    comparisons : list of Comparison
+    shares : list of Share
+    budget : dict
+        Observable -> source of uncertainty -> root mean square standard deviation in its units.
+    grains : list of str
+        What is wrong with the mass balance of the measured profiles, one sentence each.
+    hypotheses : dict
+        Name -> `HypothesisSummary`, "none" and "unknown" among them.
+    separability : Separability or None
+    ladder : list of Rung
+    confirmation : Confirmation or None
+        None where no effect is named.
+    alternatives : list of NextExperiment
+        What else was considered, the best first.
+    limits : list of str
+        What this diagnosis cannot say; one sentence each.
+    """
+
+    set_ups: dict[str, SetUp] = {}
+    expected: dict[str, float] = {}
+    comparisons: list[Comparison] = []
+    shares: list[Share] = []
+    budget: dict[str, dict[str, float]] = {}
+    grains: list[str] = []
+    hypotheses: dict[str, HypothesisSummary] = {}
+    separability: Separability | None = None
+    ladder: list[Rung] = []
+    confirmation: Confirmation | None = None
+    alternatives: list[NextExperiment] = []
+    limits: list[str] = []
+
+
+class Report(Part, kw_only=True):
+    """The result of a diagnosis.
+
+    Attributes
+    ----------
+    experiments, held_out : list of str
+        Names of the experiments that were fitted, and of those that were not.
+    baseline_case : str
+        Resolved case of the baseline (TOML).
+    where : list of Region
+        The significant ones.
+    by_observable : dict
+        Observable -> `ObservableGap`.
+    verdict : Verdict
+    candidates : dict
+        Effect -> `Candidate`.
+    reduction : Reductions or None
+        None where no effect is named.
+    next_experiment : NextExperiment or None
+        None where nothing is left to separate.
+    cost : Cost
+    warnings : list of Oddity
+        What is odd about the experiments themselves, controls and held-out ones included.
+    details : Details
+    """
+
+    format: Literal["fvcollapse-report"] = FORMAT
+    format_version: Literal[1] = FORMAT_VERSION
+    experiments: list[str]
+    held_out: list[str]
+    baseline_case: str
+    where: list[Region]
+    by_observable: dict[str, ObservableGap]
+    verdict: Verdict
+    candidates: dict[str, Candidate]
+    reduction: Reductions | None
+    next_experiment: NextExperiment | None
+    cost: Cost
+    warnings: list[Oddity] = []
+    details: Details = Details()

@@ -1,0 +1,132 @@
+"""Names of hypotheses and models, and numbers with units, in plain words."""
+
+from typing import get_args, get_type_hints
+
+from fvcollapse.case.case import Effects
+from fvcollapse.diagnosis.names import BASELINE, NONE, RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
+from fvcollapse.measure.quantities import plain_unit
+
+LEAST_PAIR = 0.02  # probability from which further pairs are shown
+MINUS = "\N{MINUS SIGN}"
+# a change of the set-up in words: value in SI units, and the same in cm
+CHANGES = {
+    "geometry.slope_angle_deg": "at {0:g}\N{DEGREE SIGN}",
+    "geometry.channel_width": "in a channel {1:g} cm wide",
+    "gate.speed": "with the gate removed as fast as possible",
+    "geometry.height_0": "from a column {1:g} cm high",
+}
+REST = {NONE: "no missing effect", UNKNOWN: "a cause outside the catalogue"}
+
+
+def hypothesis_name(name):
+    """An effect, a pair, "none" or "unknown" in words."""
+    return REST.get(name) or " + ".join(part.replace("_", " ") for part in name.split("+"))
+
+
+def effect_meaning(name):
+    """First line of what the case file says of an effect; of a pair both; empty for the others."""
+    sections = get_type_hints(Effects)
+    lines = []
+    for part in name.split("+"):
+        for section in get_args(sections.get(part)):
+            if section is not type(None):
+                lines.append(section.__doc__.splitlines()[0].rstrip("."))
+    return "; ".join(lines)
+
+
+def model_name(model, report):
+    """A model of the ladder in words."""
+    effects = {rung.model: "+".join(sorted(rung.effects)) for rung in report.details.ladder}
+    if model == BASELINE:
+        return "model as given"
+    if model == RECALIBRATED:
+        return "model re-calibrated"
+    added = effects.get(model) or ("+".join(report.verdict.effects) if model == WINNER else "")
+    added = hypothesis_name(added) if added else {RUNNER_UP: "second effect"}.get(model, "effect")
+    return f"with {added}, re-calibrated"
+
+
+def after_model(report):
+    """The model that the page calls "after": with the effect, else re-calibrated, else as given."""
+    simulated = {model for one in report.details.comparisons for model in one.simulated}
+    return next((model for model in (WINNER, RECALIBRATED) if model in simulated), BASELINE)
+
+
+def ranking(report):
+    """(hypothesis, probability), the most probable first, of equal ones that with more evidence.
+
+    Of two effects together only the best pair is shown, and others of some probability.
+    """
+
+    def rank(item):
+        stated = report.details.hypotheses.get(item[0])
+        known = stated is not None and stated.log_evidence is not None
+        return -item[1], -stated.log_evidence if known else 0.0
+
+    ranked = sorted(report.verdict.probability.items(), key=rank)
+    first = next((name for name, _ in ranked if "+" in name), None)
+    return [
+        (name, chance)
+        for name, chance in ranked
+        if "+" not in name or name == first or chance >= LEAST_PAIR
+    ]
+
+
+def number(value, digits=3):
+    """A number in `digits` significant digits without an exponent where that is short."""
+    if value is None:
+        return "\N{EN DASH}"
+    text = f"{value:.{digits}g}"
+    if "e" in text and 1.0e-4 <= abs(value) < 1.0e6:
+        text = f"{value:.0f}" if abs(value) >= 1.0 else f"{value:.6f}".rstrip("0")
+    return text.replace("-", MINUS)
+
+
+def tenths(value):
+    """A number with one decimal; a dash without one."""
+    return "\N{EN DASH}" if value is None else f"{value:.1f}".replace("-", MINUS)
+
+
+def hundredths(value):
+    """A number with two decimals."""
+    return f"{value:.2f}".replace("-", MINUS)
+
+
+def percent(share):
+    """A fraction in per cent, without decimals; near 0 and 1 only a bound."""
+    if share is None:
+        return "\N{EN DASH}"
+    if 0.0 < share < 0.005:
+        return "<1 %"
+    if 0.995 <= share < 1.0:
+        return ">99 %"
+    return f"{100.0 * share:.0f} %".replace("-", MINUS)
+
+
+def span(interval, show=number):
+    """An interval in words, or an empty text; a unit that both ends have is written once."""
+    if interval is None:
+        return ""
+    low, high = (show(end) for end in interval)
+    return f"{low.removesuffix(' %') if high.endswith(' %') else low} to {high}"
+
+
+def with_unit(value, units, digits=3):
+    """A number with its unit; "1" and "-" are none."""
+    return f"{number(value, digits)} {plain_unit(units)}".rstrip()
+
+
+def listed(words, last="and"):
+    """`a, b and c`."""
+    words = list(words)
+    return f"{', '.join(words[:-1])} {last} {words[-1]}" if len(words) > 1 else "".join(words)
+
+
+def candidate_words(candidate):
+    """A `next_candidates.Candidate` in words: what differs from the experiment of reference."""
+    if candidate.added:
+        added = " and ".join(candidate.added)
+        return f"the same set-up as {candidate.reference}, with {added} measured too"
+    sizes = {key: value for key, value in candidate.changes.items() if key in CHANGES}
+    changes = [CHANGES[key].format(value, 100.0 * value) for key, value in sizes.items()]
+    return f"as {candidate.reference}, {listed(changes)}"

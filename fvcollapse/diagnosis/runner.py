@@ -1,0 +1,62 @@
+"""Runs through the cache, read as the experiment would.
+
+An effect that changes the observation and not the flow is read off the run without it.
+"""
+
+from copy import copy
+
+from fvcollapse.case.grammar import as_table
+from fvcollapse.effects.catalogue import CATALOGUE, OBSERVATION
+from fvcollapse.errors import NumericalError, failures_named
+from fvcollapse.measure.observables import observe
+from fvcollapse.studies.cache import EXTRACT, RunCache, ready_folder
+
+
+def flow_case(case):
+    """The case that is run: without what changes only what is seen."""
+    effects = as_table(case)["effects"]
+    seen = [name for name in effects if CATALOGUE[name].kind == OBSERVATION]
+    changes = {f"effects.{name}": None for name in seen}
+    if "transverse_profile" in effects:
+        changes["effects.transverse_profile.view"] = None
+    return case.replace(**changes) if changes else case
+
+
+class Runner:
+    """Runs cases through the cache and reads them as an experiment would; counts what it took.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Of the cache of runs; default that of the user.
+    workers, scheduler, quiet
+        See `workers.run_all`.
+    """
+
+    def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
+        self.cache = RunCache(ready_folder(folder))
+        self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
+        self.asked, self.computed = set(), set()
+
+    def observations(self, wanted):
+        """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
+
+        The costly ones first.
+        """
+        flows = {label: flow_case(case) for label, (_, case) in wanted.items()}
+        places = {label: self.cache.place(case) for label, case in flows.items()}
+        missing = {place for place in places.values() if not (place / EXTRACT).exists()}
+        self.asked |= set(places.values())
+        self.computed |= missing
+        runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
+        seen, failures = {}, dict(runs.failures)
+        for label, result in runs.results.items():
+            experiment, case = wanted[label]
+            view = copy(result)
+            view.case = case.replace(**{"time.end": result.case.time.end})
+            try:
+                with failures_named():
+                    seen[label] = observe(view, experiment)
+            except NumericalError as error:
+                failures[label] = error
+        return seen, failures
