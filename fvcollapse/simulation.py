@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.errors import NumericalError
 from fvcollapse.step import coupled, level_set, quantities
 from fvcollapse.step.arrays import largest
@@ -90,7 +89,7 @@ class Simulation:
     """
 
     def __init__(self, case, state=None):
-        self.case = case = with_effects(case)
+        self.case = case = case.resolved
         grid = initial_grid(case)
         self.spacing = grid.dx, grid.dz
         self.halo = HALO if case.boundary.ends == "periodic" else 0

@@ -36,7 +36,8 @@ from fvcollapse.diagnosis.report import (
     Verdict,
 )
 from fvcollapse.diagnosis.report_words import observable_name
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 
 FITTED = ("collapse_00deg_w10cm", "collapse_16deg_w10cm", "collapse_22deg_w10cm")
 HELD_OUT = ("collapse_22deg_w20cm",)

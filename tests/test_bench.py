@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import PHYSICAL
 from fvcollapse.errors import InputError
 from fvcollapse.simulation import Simulation
 from fvcollapse.studies import bench

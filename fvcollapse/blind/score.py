@@ -29,7 +29,8 @@ from fvcollapse.blind.metrics import (
 )
 from fvcollapse.case.grammar import closest_name, read_text
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files.storage import write_atomic
 

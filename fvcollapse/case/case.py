@@ -7,12 +7,12 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
+from functools import cached_property
 from math import sqrt
 from typing import Annotated, Literal
 
 import msgspec
 
-from fvcollapse.case import effect_sections as case_effects
 from fvcollapse.case.grammar import (
     Section,
     as_table,
@@ -28,7 +28,7 @@ from fvcollapse.case.grammar import (
     toml_lines,
 )
 from fvcollapse.case.rules import POLYGON_WORDS, RULES
-from fvcollapse.effects.catalogue import with_effects
+from fvcollapse.effects.catalogue import CATALOGUE, with_effects
 from fvcollapse.errors import CaseError
 
 GRAVITY = 9.81  # m/s2, fixed
@@ -242,61 +242,11 @@ class Numerics(Section):
     )
 
 
-class LateralFriction(Section):
-    """Friction on the lateral walls; acts only where channel_width is finite."""
-
-    mu_wall: Annotated[
-        float, key("-", "friction coefficient on the lateral walls", ge=0, le=10)
-    ] = 0.18
-    pressure_ratio: Annotated[
-        float, key("-", "K_w: the pressure on the lateral walls is K_w p", ge=0, le=10)
-    ] = 1.0
-    closure: Annotated[
-        Literal["sink", "sink_weakening", "friction_increase"],
-        key("-", "sink of momentum, it weakening with depth, or an increase of mu_1 and mu_2"),
-    ] = "sink"
-    deep_ratio: Annotated[
-        float, key("-", "sink_weakening: friction far below the surface over mu_wall", ge=0, le=1)
-    ] = 0.5
-    weakening_depth: Annotated[
-        float, key("m", "sink_weakening: depth over which it falls by 1/e", gt=0, le=1000)
-    ] = 0.02
-    scheme: Annotated[
-        Literal["implicit", "split"],
-        key("-", "closures with a sink: in the solve, or before the projection"),
-    ] = "implicit"
-    flowing_thickness: Annotated[
-        float,
-        key(
-            "m",
-            "friction_increase: mu_1, mu_2 += mu_wall flowing_thickness / channel_width",
-            gt=0,
-            le=1000,
-        ),
-    ] = 0.05
-
-
-class _Effects(Section):
-    lateral_friction: LateralFriction | None = None
-    gate: case_effects.Gate | None = None
-    viscosity: case_effects.Viscosity | None = None
-    bed_friction: case_effects.BedFriction | None = None
-    dilatancy: case_effects.Dilatancy | None = None
-    cohesion: case_effects.Cohesion | None = None
-    friction_hysteresis: case_effects.FrictionHysteresis | None = None
-    erodible_bed: case_effects.ErodibleBed | None = None
-    transverse_profile: case_effects.TransverseProfile | None = None
-    front_saltation: case_effects.FrontSaltation | None = None
-    tilt: case_effects.Tilt | None = None
-    column_size: case_effects.ColumnSize | None = None
-    time_origin: case_effects.TimeOrigin | None = None
-
-
-# `nonlocal` is a word of Python, which no class body can declare
+# built from the catalogue; `nonlocal` is a word of Python, which no class body can declare
 Effects = msgspec.defstruct(
     "Effects",
-    [("nonlocal", case_effects.Nonlocal | None, None)],
-    bases=(_Effects,),
+    [(name, effect.section | None, None) for name, effect in CATALOGUE.items()],
+    bases=(Section,),
     module=__name__,
     namespace={"__doc__": "What is added to the physics that the user believes; absent = off."},
     kw_only=True,
@@ -305,7 +255,7 @@ Effects = msgspec.defstruct(
 )
 
 
-class Case(Section):
+class Case(Section, dict=True):
     """A whole case.
 
     Build it with `load_case`, `case_from_text` or `Case.replace`: they check, and name what they
@@ -321,6 +271,14 @@ class Case(Section):
     time: Time = Time()
     numerics: Numerics = Numerics()
     effects: Effects = Effects()
+
+    @cached_property
+    def resolved(self):
+        """The case that the solver runs: its effects on keys are put into the keys that they change.
+
+        It is its own resolved case.
+        """
+        return with_effects(self)
 
     @property
     def longest_step(self):
@@ -394,7 +352,7 @@ def case_from_table(table, source="case", overridden=()):
         case = msgspec.convert(table, Case)
         refused = [refusal for rule in RULES for refusal in rule(case)]
         if not refused:  # what the effects make of the case must be a case too
-            refused = [refusal for rule in RULES for refusal in rule(with_effects(case))]
+            refused = [refusal for rule in RULES for refusal in rule(case.resolved)]
     except msgspec.ValidationError as error:
         refused = [refusal_of_type(table, Case, str(error))]
     for name, found, allowed in refused:

@@ -22,13 +22,14 @@ import numpy as np
 from scipy.stats import norm
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
 from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError, NumericalError, failures_named
 from fvcollapse.measure.observables import observe
+from fvcollapse.measure.observation import flow_case
 from fvcollapse.studies.cache import EXTRACT, RunCache, default_folder
 
 # cells of the coarser grid, in the height and in the length of the column at least
@@ -58,7 +59,6 @@ SET_UP = {  # drawn for each experiment by itself; the clock is in the covarianc
 }
 LAWS_WITH_I = ("mu_I", "mu_I_regularised")
 SLOPE_MAX = 30.0  # deg
-NEED_WALLS = ("lateral_friction", "transverse_profile")  # act only between lateral walls
 
 
 # -- cases ---------------------------------------------------------------------------------------
@@ -104,16 +104,6 @@ def refined(case):
     if grid.cell_size_z is not None:
         changes["grid.cell_size_z"] = REFINEMENT * grid.cell_size_z
     return case.replace(**changes)
-
-
-def flow_case(case):
-    """The case that is run: without what changes only what is seen."""
-    effects = as_table(case)["effects"]
-    seen = [name for name in effects if CATALOGUE[name].kind == OBSERVATION]
-    changes = {f"effects.{name}": None for name in seen}
-    if "transverse_profile" in effects:
-        changes["effects.transverse_profile.view"] = None
-    return case.replace(**changes) if changes else case
 
 
 # -- effects -------------------------------------------------------------------------------------
@@ -203,7 +193,7 @@ def applicable_effects(cases, names=None):
 
 def acts_in(name, case):
     """Whether an effect can act in the set-up of a case."""
-    return name not in NEED_WALLS or case.geometry.channel_width < inf
+    return not CATALOGUE[name].needs_walls or case.geometry.channel_width < inf
 
 
 # -- calibrated parameters and set-up ------------------------------------------------------------

@@ -42,7 +42,8 @@ from scipy.special import logsumexp
 from fvcollapse.case.grammar import read_text
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files.storage import write_atomic
 from fvcollapse.output.fingerprint import solver_version

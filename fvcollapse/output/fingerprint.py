@@ -12,11 +12,10 @@ in which a definition stands, and it leaves out all that gives no number:
 - priors, and what else an `Effect` says of calibration (`NO_NUMBERS`): they decide which cases a
   diagnosis runs, not what these give.
 
-An effect that is off changes no bit of a run, which the tests of the catalogue check. The tables that
-list the effects (`EFFECT_TABLES`) are therefore no part of the graph. What an entry of such a table
-reaches counts where the effect is on: the definition `change_<effect>` of `effects.py`, or `EFFECT` in
-`effects/<effect>.py`. A new effect voids no run without it. Code of an effect that is called by name
-from elsewhere, as the terms of the step are today, counts for all cases.
+An effect that is off changes no bit of a run, which the tests of the catalogue check. The table that
+lists the effects (`EFFECT_TABLES`) is therefore no part of the graph. The definition `EFFECT` in
+`effects/<effect>.py` and what it reaches count where the effect is on, so that a new effect voids no run
+without it. Code of an effect that is called by name from elsewhere counts for all cases.
 
 Two versions of Python may disagree on the digest. Two solvers have the same digest only if their
 definitions are the same, apart from what is left out.
@@ -41,13 +40,13 @@ ROOTS = (
     ("measure.observation", "flow_case"),
     ("measure.observables", "observe"),
 )
-KEY_CHANGES = ("effects.catalogue", "KEY_CHANGES")
-EFFECT_TABLES = ("CATALOGUE", KEY_CHANGES[1])
+EFFECT_TABLES = ("CATALOGUE",)
 OUTSIDE = ("errors", "files.storage")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
-EFFECT, NO_NUMBERS = "Effect", ("priors", "absorbed_in", "refuse")  # and arguments of it
-SECTION, DEFINE_SECTION = ("Section", "_Effects"), "defstruct"
+EFFECT = "Effect"
+NO_NUMBERS = ("priors", "absorbed_in", "refuse", "needs_walls", "zero")  # arguments of it
+SECTION, DEFINE_SECTION = "Section", "defstruct"
 
 
 def solver_version(effects=None):
@@ -67,8 +66,7 @@ def solver_digest(package, effects):
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
     code = solver_code(package)
     lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
-    order = [*effects, *changes_in_order(code, effects)]
-    return hashlib.sha256("\n".join([*order, *lines]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([*effects, *lines]).encode()).hexdigest()
 
 
 @cache
@@ -78,16 +76,9 @@ def solver_code(package):
 
 
 def roots_of(code, effect):
-    """Places of the entries of an effect in the tables of effects."""
-    places = (("effects.catalogue", f"change_{effect}"), (f"effects.{effect}", "EFFECT"))
-    return [place for place in places if code.node(*place) is not None]
-
-
-def changes_in_order(code, effects):
-    """Names of the changes of keys of some effects, in the order in which they are applied."""
-    table = code.node(*KEY_CHANGES)
-    names = (part.id for part in ast.walk(table or ast.Pass()) if isinstance(part, ast.Name))
-    return [name for name in names if name.removeprefix("change_") in effects]
+    """Places of the code that acts only while an effect is on."""
+    place = f"effects.{effect}", "EFFECT"
+    return [] if code.node(*place) is None else [place]
 
 
 def is_section(node):
@@ -95,7 +86,7 @@ def is_section(node):
     if isinstance(node, ast.Assign):
         return called_name(node.value) == DEFINE_SECTION
     bases = getattr(node, "bases", ()) if isinstance(node, ast.ClassDef) else ()
-    return any(isinstance(base, ast.Name) and base.id in SECTION for base in bases)
+    return any(isinstance(base, ast.Name) and base.id == SECTION for base in bases)
 
 
 class Counted(ast.NodeTransformer):

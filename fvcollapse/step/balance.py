@@ -48,7 +48,7 @@ def balance_of(case, state, dt, gravity, lift, gate_column, response):
     Parameters
     ----------
     case : Case
-        With its effects on keys applied (`with_effects`).
+        With its effects on keys applied (`Case.resolved`).
     state : State
     dt : float
     gravity : (gx, gz)

@@ -21,7 +21,8 @@ import numpy as np
 from tqdm import tqdm
 
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import PHYSICAL
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.storage import write_atomic
 from fvcollapse.output.run import run_case

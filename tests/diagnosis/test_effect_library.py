@@ -27,7 +27,8 @@ from fvcollapse.diagnosis.effect_library import (
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
 from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.points import choose_points
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
 
 
