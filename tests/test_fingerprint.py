@@ -96,15 +96,14 @@ class Simulation:
 DRAG = """
 from small.case.grammar import Section
 from small.effects.effect import Effect, Prior
-from small.step.drag import brake
 
 class Drag(Section):
     c: float = 0.0
 
-EFFECT = Effect("drag", PHYSICAL, Drag, priors={"c": Prior("uniform", 0, 1, "C", "a guess")}, change=brake)
+EFFECT = Effect("drag", PHYSICAL, Drag, priors={"c": Prior("uniform", 0, 1, "C", "a guess")}, term="drag")
 """
 ADDED = [("effects/catalogue.py", '("cohesion",)', '("cohesion", "drag")')]
-ADDED_FILES = {"effects/drag.py": DRAG, "step/drag.py": "def brake(u):\n    return -u\n"}
+ADDED_FILES = {"effects/drag.py": DRAG, "step/drag.py": "def before_solve(u):\n    return -u\n"}
 
 
 @pytest.fixture

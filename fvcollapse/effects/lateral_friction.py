@@ -88,6 +88,7 @@ EFFECT = Effect(
         {"closure": "sink_weakening"},
         {"closure": "friction_increase", "deep_ratio": None, "weakening_depth": None},
     ),
+    term="lateral_friction",
     needs_walls=True,
     zero=({"mu_wall": 0.0},),
 )

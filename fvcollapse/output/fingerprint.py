@@ -14,8 +14,9 @@ in which a definition stands, and it leaves out all that gives no number:
 
 An effect that is off changes no bit of a run, which the tests of the catalogue check. The table that
 lists the effects (`EFFECT_TABLES`) is therefore no part of the graph. The definition `EFFECT` in
-`effects/<effect>.py` and what it reaches count where the effect is on, so that a new effect voids no run
-without it. Code of an effect that is called by name from elsewhere counts for all cases.
+`effects/<effect>.py`, the stages of its term in the step, and what they reach count where the effect is on,
+so that a new effect voids no run without it. Code of an effect that is called by name from elsewhere counts for
+all cases.
 
 Two versions of Python may disagree on the digest. Two solvers have the same digest only if their
 definitions are the same, apart from what is left out.
@@ -28,6 +29,7 @@ from pathlib import Path
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
+from fvcollapse.step.terms import Terms
 from fvcollapse.version import __version__
 
 # (module, definition) that a run starts from: fields, series, profiles and what is observed of them
@@ -76,9 +78,19 @@ def solver_code(package):
 
 
 def roots_of(code, effect):
-    """Places of the code that acts only while an effect is on."""
-    place = f"effects.{effect}", "EFFECT"
-    return [] if code.node(*place) is None else [place]
+    """Places of the code that acts only while an effect is on: its `EFFECT`, and the stages of its term."""
+    module = f"effects.{effect}"
+    definition = code.node(module, "EFFECT")
+    if definition is None:
+        return []
+    stages = [(f"step.{term_of(definition)}", stage) for stage in Terms._fields]
+    return [(module, "EFFECT"), *(place for place in stages if code.node(*place) is not None)]
+
+
+def term_of(definition):
+    """Module of the step that the definition of an `EFFECT` names; "" without one."""
+    keywords = (part for part in ast.walk(definition) if isinstance(part, ast.keyword))
+    return next((part.value.value for part in keywords if part.arg == "term"), "")
 
 
 def is_section(node):

@@ -47,7 +47,9 @@ def run(case, folder=None):
     return Result(io.BytesIO(job.result_image(COMPLETE)))
 
 
-def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL):
+def run_case(
+    case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL, simulate=None
+):
     """Run a case into `folder`, or continue what is there.
 
     Parameters
@@ -62,6 +64,8 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
         No progress bar (there is none either when stderr is not a terminal).
     checkpoint_interval : float
         Wall time between checkpoints [s].
+    simulate : callable, optional
+        Makes the simulation of (case, state), if not `Simulation` itself.
 
     Raises
     ------
@@ -88,7 +92,7 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
         log_start(log, case, stored)
         with failures_named():
-            job = Job(case, stored)
+            job = Job(case, stored, simulate)
         keeper = Keeper(job, folder, log, checkpoint_interval)
         keeper.save(RUNNING)
         with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
@@ -99,16 +103,20 @@ def run_case(case, folder, resume=False, quiet=False, checkpoint_interval=CHECKP
 
 
 class Job:
-    """A simulation with its recorder: the two always belong to the same instant after `step`."""
+    """A simulation with its recorder: the two always belong to the same instant after `step`.
 
-    def __init__(self, case, stored=None):
+    `simulate` makes the simulation of (case, state), if not `Simulation` itself.
+    """
+
+    def __init__(self, case, stored=None, simulate=None):
+        simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
         if stored is None:
-            self.simulation, self.recorder = Simulation(case), Recorder()
+            self.simulation, self.recorder = simulate(case), Recorder()
             self.recorder.add_series(self.simulation)
             self.recorder.add_snapshot(self.simulation, self.landings[0])
         else:
-            self.simulation, self.recorder = Simulation(case, stored.state.copy()), stored.recorder
+            self.simulation, self.recorder = simulate(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
         self.state = self.simulation.state.copy()  # the last good state
         self.guards = guards_of(self.simulation, self.recorder)

@@ -21,7 +21,7 @@ from .banded import clear, factorise, solve_factorised
 from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
-from .geometry import WET, last_face, repeat_columns
+from .geometry import MASS_FLOOR, WET, last_face, repeat_columns
 from .grain_response import (
     ResponseWork,
     add_extra_friction,
@@ -36,7 +36,6 @@ from .strain import strain_rates
 from .viscous import add_cells, add_nodes, divergence, viscosity_weights
 
 FRICTION_TOLERANCE = 0.01  # change of the bed's friction between two sweeps
-MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
 
 
 class Work(NamedTuple):

@@ -15,6 +15,7 @@ import numpy as np
 from .compiled import inner_jit, kernel_jit
 
 WET = 1.0e-8  # filled fraction below which a cell counts as empty; its weight is below round-off of its neighbours
+MASS_FLOOR = 1.0e-4  # inertia of a nearly empty face, as a fraction of a full one; its weight keeps the true mass
 
 
 class Geometry(NamedTuple):

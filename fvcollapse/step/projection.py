@@ -26,14 +26,13 @@ from scipy.sparse.linalg import splu
 
 from .banded import allocate_system
 from .coupled import (
-    MASS_FLOOR,
     Outcome,
     add_diagonal,
     coefficients,
     momentum_residual,
     take_solution,
 )
-from .geometry import WET, repeat_columns
+from .geometry import MASS_FLOOR, WET, repeat_columns
 from .lanes import LANES
 from .rheology import with_shear_rate_min
 from .viscous import add_cells, add_nodes

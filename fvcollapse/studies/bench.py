@@ -28,6 +28,7 @@ from fvcollapse.files.storage import write_atomic
 from fvcollapse.output.run import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import coupled
+from fvcollapse.step.advance import STAGES, balance_of_step
 from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
 from fvcollapse.step.compiled import kernel_jit
 from fvcollapse.studies.sweep import sweep
@@ -38,12 +39,12 @@ WIDTHS = {"w10cm": 0.10, "winf": float("inf")}
 SIZES = (0.012, 0.006, 0.003)  # m
 FINEST = 0.0015  # m; minutes each, on demand
 TERMS = {
-    "_move_surface": "surface",
-    "_advect_momentum": "momentum advection",
-    "_place": "geometry",
-    "_solve": "implicit solve",
-    "_book_energy": "energy budget",
-    "_continue_velocity": "continuation of the velocity",
+    "move_surface": "surface",
+    "carry_momentum": "momentum advection",
+    "place": "geometry",
+    "solve": "implicit solve",
+    "book_energy": "energy budget",
+    "continue_velocity": "continuation of the velocity",
 }
 NO_EFFECT = "no_effect"
 SAMPLES = 20  # instants at which the parts of a sweep are timed
@@ -90,13 +91,36 @@ def effect_cases():
 # ---------------------------------------------------------------- within the process of one case
 
 
+class Clock:
+    """Wall time of the stages of a step, in `seconds`; `read` returns the present time, s."""
+
+    def __init__(self, read=time.perf_counter):
+        self.read, self.seconds = read, dict.fromkeys(TERMS, 0.0)
+
+    def stages(self):
+        """The stages of a step, which add their wall time to `seconds`."""
+        return STAGES._replace(**{name: self.timed(name) for name in TERMS})
+
+    def timed(self, name):
+        """A stage that adds its wall time to `seconds`."""
+        stage = getattr(STAGES, name)
+
+        def timed_stage(*arguments, **options):
+            start = self.read()
+            value = stage(*arguments, **options)
+            self.seconds[name] += self.read() - start
+            return value
+
+        return timed_stage
+
+
 class TimedSimulation(Simulation):
     """A simulation that keeps the wall time of its terms and the sizes of its systems."""
 
     def __init__(self, case, state=None):
-        self.seconds = dict.fromkeys(TERMS, 0.0)
-        super().__init__(case, state)
-        self.seconds = dict.fromkeys(TERMS, 0.0)
+        clock = Clock()
+        super().__init__(case, state, clock.stages())
+        self.seconds = clock.seconds = dict.fromkeys(TERMS, 0.0)  # of the steps, without the start
         self.sweeps = self.unknowns = self.cells = self.steps = 0
         self.began = self.ended = self.probing = 0.0
         self.sweep_parts = []
@@ -118,25 +142,11 @@ class TimedSimulation(Simulation):
         return record
 
 
-def _timed(name):
-    def method(self, *arguments, **options):
-        start = time.perf_counter()
-        value = getattr(Simulation, name)(self, *arguments, **options)
-        self.seconds[name] += time.perf_counter() - start
-        return value
-
-    return method
-
-
-for _name in TERMS:
-    setattr(TimedSimulation, _name, _timed(_name))
-
-
 def time_sweep(simulation):
     """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
     state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
     band, rhs = allocate_system(simulation.ends)
-    balance, spacing = simulation._balance(state.dt), simulation.spacing
+    balance, spacing = balance_of_step(simulation, state.dt), simulation.spacing
     fields = state.u, state.w, state.pressure_filled
 
     def coefficients():
@@ -199,17 +209,14 @@ def bandwidth(total_bytes):
 
 def member(case_text):
     """Run one case as the command line does and return its figures; for a process of its own."""
-    from fvcollapse.output import run as output
-
     case, made = case_from_text(case_text), []
 
-    def simulation(*arguments):
+    def simulate(*arguments):
         made.append(TimedSimulation(*arguments))
         return made[-1]
 
-    output.Simulation = simulation
     with tempfile.TemporaryDirectory() as folder:
-        run_case(case, Path(folder) / "run", quiet=True)
+        run_case(case, Path(folder) / "run", quiet=True, simulate=simulate)
     (timed,) = made
     return figures(timed)
 

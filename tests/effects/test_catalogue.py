@@ -11,6 +11,7 @@ from fvcollapse.case.case import Case, Effects, describe_keys
 from fvcollapse.effects import catalogue
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE, OBSERVATION, PHYSICAL
+from fvcollapse.effects.table import generated_block
 
 KEYS = {info.name for info in describe_keys()}
 # the settings with which each effect does nothing
@@ -34,7 +35,7 @@ def test_an_effect_describes_its_own_keys(name):
 def test_the_catalogue_names_every_file():
     folder = Path(catalogue.__file__).parent
     files = {path.stem for path in folder.glob("[a-z]*.py")}
-    assert files - {"catalogue", "conditions", "effect"} == set(CATALOGUE)
+    assert files - {"catalogue", "conditions", "effect", "table"} == set(CATALOGUE)
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
@@ -88,3 +89,8 @@ def test_no_effect_leaves_the_case_itself():
 def test_a_change_of_keys_is_applied_once(name, keys):
     case = Case().replace(**{f"effects.{name}": keys}).resolved
     assert case.resolved == case
+
+
+def test_the_table_of_the_readme_is_that_of_the_catalogue():
+    text = (Path(catalogue.__file__).parent / "README.md").read_text(encoding="utf-8")
+    assert generated_block() in text, "run python -m fvcollapse.effects.table"

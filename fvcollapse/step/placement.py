@@ -7,7 +7,7 @@ from .geometry import fill_cells, fill_faces, fill_reach, fill_walls, number_unk
 
 
 @kernel_jit()
-def place(geometry, level_set, packing, gate_column, open_end):
+def fill_geometry(geometry, level_set, packing, gate_column, open_end):
     """Fill `geometry`, whose apertures are set, and number the unknowns; return `number_unknowns`' envelope.
 
     Parameters
