@@ -122,9 +122,9 @@ def stay(box):
     """Walls all around: the grid stays."""
 
 
-def move_inner_surface(box, dt):
-    """A surface inside the box has moved; a full box has none. Return the volume that was added, m2."""
-    return 0.0 if box.surface is None else STAGES.move_surface(box, dt)
+def hold_surface(box, dt):
+    """A surface inside the box is where it was; return the volume that was added, m2."""
+    return STAGES.move_surface(box, dt) if box.surface is None else 0.0
 
 
 def place_in_box(box, time, closed=False):
@@ -193,7 +193,7 @@ def continue_in_box(box):
 
 STAGES_OF_BOX = STAGES._replace(
     fit_grid=stay,
-    move_surface=move_inner_surface,
+    move_surface=hold_surface,
     place=place_in_box,
     carry_momentum=carry_and_push,
     continue_velocity=continue_in_box,
