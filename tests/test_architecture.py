@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fvcollapse
-from fvcollapse.step import geometry
+from fvcollapse.step import geometry, unknowns
 from fvcollapse.step.compiled import KernelCache
 
 PACKAGE = Path(fvcollapse.__file__).parent
@@ -206,7 +206,7 @@ def test_kernel_is_cached_and_exact(kernel, decorator):
 def test_the_decorators_cache_and_ask_for_no_fast_arithmetic():
     for kernel, wrapper in (
         (geometry.fill_cells, {}),
-        (vars(geometry)["_number"], {"no_cpython_wrapper": True}),
+        (vars(unknowns)["_number"], {"no_cpython_wrapper": True}),
     ):
         assert isinstance(kernel._cache, KernelCache)
         own = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True}

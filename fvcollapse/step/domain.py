@@ -4,7 +4,7 @@ import numpy as np
 
 from fvcollapse.errors import NumericalError
 
-from .coupled import allocate_work
+from .coefficients import allocate_work
 from .erodible_bed import extend_layer, moves_near_end
 from .gate import gate_height, open_fractions
 from .geometry import allocate_geometry, repeat_columns

@@ -149,7 +149,7 @@ def work_of_step(scratch, state, geometry, impulses, balance, dx, dz):
 
     Parameters
     ----------
-    scratch : coupled.Work
+    scratch : coefficients.Work
         Coefficients of viscosity and friction with which the velocity was solved.
     state : State
         Velocity after the solve, before it is continued beyond the surface.

@@ -3,7 +3,8 @@
 from .arrays import copy, scale
 from .compiled import kernel_jit
 from .gate import fill_gate
-from .geometry import fill_cells, fill_faces, fill_reach, fill_walls, number_unknowns
+from .geometry import fill_cells, fill_faces, fill_reach, fill_walls
+from .unknowns import number_unknowns
 
 
 @kernel_jit()

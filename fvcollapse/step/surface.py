@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from . import level_set
+from . import grain_volume, level_set, redistancing
 from .domain import repeat
 from .energy import Outflow
 from .gate import gate_height, hold_at_gate, open_fractions
@@ -40,8 +40,8 @@ def restore_distance(state, travel, dx, dz):
     """The level set is a signed distance again if it has been moved far enough, `travel` cells in this step."""
     state.travel += travel
     state.travel_steps += 1
-    if level_set.needs_restoring(state.travel, state.travel_steps):
-        level_set.reinitialise(state.level_set, level_set.SWEEPS, dx, dz)
+    if redistancing.needs_restoring(state.travel, state.travel_steps):
+        redistancing.reinitialise(state.level_set, redistancing.SWEEPS, dx, dz)
         state.travel, state.travel_steps = 0.0, 0
 
 
@@ -60,7 +60,7 @@ def hold_volume(simulation, speed, dt):
     hold_at_gate(speed, state.level_set, aperture, simulation.gate_column)
     target = (state.volume_0 - state.volume_outflow) * simulation.packing_0 / (dx * dz)
     added = (
-        level_set.hold_volume(
+        grain_volume.hold_volume(
             state.level_set, aperture, speed, simulation.packing(), target, min(dx, dz)
         )
         * dx

@@ -14,9 +14,9 @@ from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES
 from fvcollapse.step.domain import repeat
 from fvcollapse.step.extrapolation import TRUSTED_U
-from fvcollapse.step.geometry import number_unknowns
 from fvcollapse.step.initial import HALO
 from fvcollapse.step.state import State
+from fvcollapse.step.unknowns import number_unknowns
 from fvcollapse.verification.flows import TIGHT, with_step
 
 GHOSTS = 2  # layers beyond a wall: the reach of the stencil of the momentum advection

@@ -13,7 +13,7 @@ import numpy as np
 from fvcollapse.case.case import Case
 from fvcollapse.errors import NumericalError
 from fvcollapse.simulation import Simulation
-from fvcollapse.step import level_set
+from fvcollapse.step import level_set, redistancing
 from fvcollapse.step.advance import STAGES
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.initial import HALO, initial_grid, initial_state
@@ -173,8 +173,8 @@ def transport(surface, velocity, duration, cells, courant=0.5):
         heed_interrupt()
         travel += np.hypot(u, w).max() * dt / h
         since += 1
-        if level_set.needs_restoring(travel, since):
-            level_set.reinitialise(phi, level_set.SWEEPS, h, h)
+        if redistancing.needs_restoring(travel, since):
+            redistancing.reinitialise(phi, redistancing.SWEEPS, h, h)
             travel, since = 0.0, 0
     return phi
 

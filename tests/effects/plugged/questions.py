@@ -15,7 +15,8 @@ from fvcollapse.effects.table import catalogue_table
 from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.measure.observation import flow_case
 from fvcollapse.simulation import Simulation
-from fvcollapse.studies import bench
+from fvcollapse.studies.bench.case_list import effect_cases, shortened
+from fvcollapse.studies.bench.measured import member
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
 SHORT = {"grid.cell_size": 0.02, "time.end": 0.1, "time.output_interval": 0.05}
@@ -69,7 +70,7 @@ def seen():
 def answers():
     """All answers."""
     shipped = VerdictModel.load()
-    cases = bench.effect_cases()
+    cases = effect_cases()
     return {
         "slowed": slowed(3.0, 0.2),
         "budget": budget(**{"effects.linear_drag": {"c": 5.0}}),
@@ -79,7 +80,7 @@ def answers():
         "table": catalogue_table(),
         "diagnose": printed("diagnose", sys.argv[1], "--effects", "none_such", "--out", "nowhere"),
         "bench": list(cases),
-        "cost": bench.member(bench.shortened(cases["linear_drag"]).to_toml())["wall_s"],
+        "cost": member(shortened(cases["linear_drag"]).to_toml())["wall_s"],
         "solver": solver_of(shipped.effects),
         "solver_with_drag": solver_of((*shipped.effects, "linear_drag")),
         "valid": shipped.is_of_this_solver,
