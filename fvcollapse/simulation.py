@@ -12,7 +12,8 @@ import numpy as np
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.errors import NumericalError
 from fvcollapse.step import quantities
-from fvcollapse.step.advance import STAGES, advance_safely, balance_of_step
+from fvcollapse.step.advance import STAGES, advance_safely
+from fvcollapse.step.balance import balance_of
 from fvcollapse.step.dilatancy import initial_fraction
 from fvcollapse.step.domain import allocate
 from fvcollapse.step.energy import Outflow
@@ -77,7 +78,7 @@ class Simulation:
             self,
             np.zeros_like(state.u),
             np.zeros_like(state.w),
-            balance_of_step(self, 1.0)._replace(max_sweeps=100, tolerance=1e-6, gate_speed=0.0),
+            balance_of(self, 1.0)._replace(max_sweeps=100, tolerance=1e-6, gate_speed=0.0),
         )
         state.u[:] = 0.0
         state.w[:] = 0.0

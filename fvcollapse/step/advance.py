@@ -121,20 +121,9 @@ def finish_terms(simulation, dt):
 
 def book_energy(simulation, u_star, w_star, impulses, balance):
     """The energy of the step is booked: work against each resistance, and what the discretisation took; return it."""
-    state, geometry, spacing = simulation.state, simulation.geometry, simulation.spacing
-    energy = simulation.energies()
-    work = work_of_step(simulation.work, state, geometry, impulses, balance, *spacing)
-    loss = loss_of_step(
-        simulation.energy,
-        energy,
-        simulation.outflow,
-        state,
-        u_star,
-        w_star,
-        geometry,
-        balance,
-        *spacing,
-    )
+    state, energy = simulation.state, simulation.energies()
+    work = work_of_step(simulation, impulses, balance)
+    loss = loss_of_step(simulation, energy, u_star, w_star, balance)
     for kind, terms in (("work", work), ("loss", loss)):
         for name, value in terms._asdict().items():
             total = getattr(state, f"{kind}_{name}") + float(value)
@@ -185,19 +174,6 @@ STAGES = Stages()
 # -- a step --------------------------------------------------------------------------------------
 
 
-def balance_of_step(simulation, dt):
-    """The `Balance` of the step of dt (s) that the state is in."""
-    return balance_of(
-        simulation.case,
-        simulation.state,
-        dt,
-        simulation.gravity,
-        simulation.lift,
-        simulation.gate_column,
-        simulation.response,
-    )
-
-
 def advance(simulation, start, dt):
     """Take one step of dt (s) from the state `start`, which stays as it is; the state is then a changed copy.
 
@@ -215,7 +191,7 @@ def advance(simulation, start, dt):
     predicted = stages.carry_momentum(simulation, start.level_set, packing, dt)
     stages.place(simulation, state.time + dt)
 
-    balance = balance_of_step(simulation, dt)
+    balance = balance_of(simulation, dt)
     impulses, balance = stages.act_before_solve(simulation, *predicted, balance)
     outcome = stages.solve(simulation, *predicted, impulses, balance)
     stages.finish_terms(simulation, dt)

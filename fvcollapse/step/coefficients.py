@@ -94,11 +94,9 @@ def answer_beforehand(
         answer(response, work, pressure_filled, geometry, material, balance, dx, dz)
 
 
-@kernel_jit()
-def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
-    """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
-    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-    answer(balance.response, work, pressure_filled, geometry, material, balance, dx, dz)
+@inner_jit()
+def stress_coefficients(work, pressure_filled, geometry, material, response):
+    """Viscosity of cells and nodes, the extra friction of the effects included."""
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
@@ -109,7 +107,7 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         material,
     )
     add_extra_friction(
-        balance.response,
+        response,
         work.weight_centre,
         work.weight_node,
         work.response.extra_friction,
@@ -119,6 +117,11 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         geometry,
         material,
     )
+
+
+@inner_jit()
+def wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
+    """Friction coefficients of bed and back wall."""
     bed_friction(
         work.k_bed,
         bed_slip,
@@ -149,20 +152,11 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
         balance.mu_back_wall,
         dx,
     )
-    if balance.mu_gate > 0.0:
-        gate_friction(
-            work.k_gate,
-            work.gate_slip,
-            w,
-            pressure_filled,
-            work.weight_centre,
-            work.e_centre,
-            work.response.extra_friction,
-            geometry,
-            material,
-            balance,
-            dx,
-        )
+
+
+@inner_jit()
+def lateral_coefficients(work, u, w, pressure_filled, geometry, balance, dz):
+    """Friction coefficients of the lateral walls."""
     if balance.wall_strength > 0.0:
         face_pressures(
             work.pressure_x,
@@ -187,3 +181,27 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
     else:
         work.sink_x[:] = 0.0
         work.sink_z[:] = 0.0
+
+
+@kernel_jit()
+def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
+    """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
+    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    answer(balance.response, work, pressure_filled, geometry, material, balance, dx, dz)
+    stress_coefficients(work, pressure_filled, geometry, material, balance.response)
+    wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+    if balance.mu_gate > 0.0:
+        gate_friction(
+            work.k_gate,
+            work.gate_slip,
+            w,
+            pressure_filled,
+            work.weight_centre,
+            work.e_centre,
+            work.response.extra_friction,
+            geometry,
+            material,
+            balance,
+            dx,
+        )
+    lateral_coefficients(work, u, w, pressure_filled, geometry, balance, dz)

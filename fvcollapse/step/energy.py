@@ -144,26 +144,23 @@ def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
     )
 
 
-def work_of_step(scratch, state, geometry, impulses, balance, dx, dz):
+def work_of_step(simulation, impulses, balance):
     """Work of one step from the coefficients of its last nonlinear sweep.
 
     Parameters
     ----------
-    scratch : coefficients.Work
-        Coefficients of viscosity and friction with which the velocity was solved.
-    state : State
-        Velocity after the solve, before it is continued beyond the surface.
-    geometry : Geometry
+    simulation : Simulation
+        After the solve, before the velocity is continued beyond the surface.
     impulses : list of Impulse
         Changes of velocity before the solve.
     balance : Balance
-    dx, dz : float
-        m.
 
     Returns
     -------
     Work
     """
+    scratch, state, geometry = simulation.work, simulation.state, simulation.geometry
+    dx, dz = simulation.spacing
     u, w, dt = state.u, state.w, balance.dt
     volume = dx * dz
     bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
@@ -194,30 +191,25 @@ def gate_work(scratch, w, geometry, balance, dz):
     return slip - given, dz * np.sum(scratch.k_gate * relative**2) - slip
 
 
-def loss_of_step(
-    energy_before, energy_after, outflow, state, u_star, w_star, geometry, balance, dx, dz
-):
+def loss_of_step(simulation, energy_after, u_star, w_star, balance):
     """What the discretisation took during one step.
 
     Parameters
     ----------
-    energy_before, energy_after : dict
-        From `quantities.energies`, at both ends of the step.
-    outflow : Outflow
-    state : State
-        Velocity after the solve.
+    simulation : Simulation
+        After the solve; its `energy` is that before the step.
+    energy_after : dict
+        From `quantities.energies`, at the end of the step.
     u_star, w_star : arrays
         Velocity after advection.
-    geometry : Geometry
-        At the end of the step.
     balance : Balance
-    dx, dz : float
-        m.
 
     Returns
     -------
     Loss
     """
+    state, geometry, (dx, dz) = simulation.state, simulation.geometry, simulation.spacing
+    energy_before, outflow = simulation.energy, simulation.outflow
     cell = balance.density * dx * dz
     change_x, carried_x, flow_x = face_sums(geometry.mass_x, state.u, u_star)
     change_z, carried_z, flow_z = face_sums(geometry.mass_z, state.w, w_star)

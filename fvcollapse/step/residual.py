@@ -7,11 +7,10 @@ from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, last_face
 
 
-@kernel_jit()
-def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
-    """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
+@inner_jit()
+def add_stresses(residual, work, u, w, geometry, dx, dz):
+    """Subtract viscous stress and pressure of cells and nodes from the residual of their faces."""
     iu, iw, aperture = geometry.index_u, geometry.index_w, geometry.aperture
-    residual[:] = 0.0
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             e = (
@@ -36,6 +35,12 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                 _add(residual, iu[i, k], g / dz)
                 _add(residual, iw[i - 1, k], -g / dx)
                 _add(residual, iw[i, k], g / dx)
+
+
+@inner_jit()
+def add_inertia(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
+    """Add inertia, friction and weight to the residual of every face."""
+    iu, iw = geometry.index_u, geometry.index_w
     inertia = balance.density / balance.dt
     for i in range(geometry.first, last_face(geometry)):
         for k in range(geometry.reach[i]):
@@ -59,6 +64,14 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
                 )
                 if i == balance.gate_column - 1:
                     residual[iw[i, k]] += work.k_gate[k] / dx * (w[i, k] - balance.gate_speed)
+
+
+@kernel_jit()
+def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz):
+    """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
+    residual[:] = 0.0
+    add_stresses(residual, work, u, w, geometry, dx, dz)
+    add_inertia(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz)
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0
     for n in range(residual.size):

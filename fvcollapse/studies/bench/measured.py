@@ -11,7 +11,8 @@ from fvcollapse.case.case import case_from_text
 from fvcollapse.output.run import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import assembly, coefficients
-from fvcollapse.step.advance import STAGES, balance_of_step
+from fvcollapse.step.advance import STAGES
+from fvcollapse.step.balance import balance_of
 from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
 from fvcollapse.step.compiled import kernel_jit
 
@@ -83,7 +84,7 @@ def time_sweep(simulation):
     """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
     state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
     band, rhs = allocate_system(simulation.ends)
-    balance, spacing = balance_of_step(simulation, state.dt), simulation.spacing
+    balance, spacing = balance_of(simulation, state.dt), simulation.spacing
     fields = state.u, state.w, state.pressure_filled
 
     def compute():
