@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION, PHYSICAL
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE, OBSERVATION, PHYSICAL
 from plots.paper_style import FIGURES, key, panels, write_picture
 from runs.table import CURVES, RUNS, as_line, read_table
 

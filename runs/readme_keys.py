@@ -1,17 +1,10 @@
 """Tables of keys and effects for the README files, made of what the program knows."""
 
-import inspect
-from typing import get_args
-
-import msgspec
-
-from fvcollapse.case.case import Case
 from fvcollapse.case.case import describe_keys as describe_case_keys
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.table import catalogue_table
 from fvcollapse.measure.experiment_keys import describe_keys as describe_experiment_keys
 from runs.readme_tables import table
-
-KIND = {OBSERVATION: " (observation)", NUISANCE: " (error of the set-up)"}
 
 
 def key_rows(infos):
@@ -33,23 +26,9 @@ def experiment_keys():
     return table(("key", "default", "unit", "meaning", "allowed"), rows)
 
 
-def sections():
-    """{name: section class} of `[effects]`, in the order of the case file."""
-    effects = type(Case().effects)
-    types = {field.name: field.type for field in msgspec.structs.fields(effects)}
-    return {name: (get_args(kind) or (kind,))[0] for name, kind in types.items()}
-
-
 def effects():
-    """The catalogue: what each effect changes, and its parameters."""
-    classes = sections()
-    rows = []
-    for name, effect in CATALOGUE.items():
-        keys = [info for info in msgspec.structs.fields(classes[name])]
-        meaning = inspect.cleandoc(classes[name].__doc__).splitlines()[0]
-        parameters = ", ".join(f"`{key.name}`" for key in keys)
-        rows.append((f"`{name}`{KIND.get(effect.kind, '')}", meaning, parameters))
-    return table(("section", "meaning", "keys"), rows)
+    """The catalogue: what each effect changes, its keys and priors."""
+    return catalogue_table() + "\n"
 
 
 def priors():

@@ -14,7 +14,8 @@ from msgspec.structs import replace
 
 from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.report import schema as form
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import CURVES, QUANTITIES
 
 FITTED = ("collapse_00deg_w10cm", "collapse_16deg_w10cm", "collapse_22deg_w10cm")

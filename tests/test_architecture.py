@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fvcollapse
-from fvcollapse.step import geometry
+from fvcollapse.step import geometry, unknowns
 from fvcollapse.step.compiled import KernelCache
 
 PACKAGE = Path(fvcollapse.__file__).parent
@@ -18,8 +18,11 @@ LAYERS = (
     "files",
     "console",
     "case.grammar case.limits case.well_posed",
-    "case.rules case.effect_sections",
+    "effects.effect effects.conditions",
     "effects",
+    "effects.catalogue",
+    "effects.table",
+    "case.rules",
     "case",
     "step",
     "simulation",
@@ -107,7 +110,7 @@ def test_the_checks_see_the_code():
     """A renamed folder or decorator must not make the tests below pass by finding nothing."""
     assert len(KERNELS) > 50
     assert imported("step.quantities", TREES["step.quantities"]) >= {"step.strain"}
-    assert imported("simulation", TREES["simulation"]) >= {"step.state", "step.coupled"}
+    assert imported("simulation", TREES["simulation"]) >= {"step.advance", "step.initial"}
 
 
 def room(name):
@@ -206,7 +209,7 @@ def test_kernel_is_cached_and_exact(kernel, decorator):
 def test_the_decorators_cache_and_ask_for_no_fast_arithmetic():
     for kernel, wrapper in (
         (geometry.fill_cells, {}),
-        (vars(geometry)["_number"], {"no_cpython_wrapper": True}),
+        (vars(unknowns)["_number"], {"no_cpython_wrapper": True}),
     ):
         assert isinstance(kernel._cache, KernelCache)
         own = {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True}
@@ -276,3 +279,88 @@ def test_kernel_holds_no_strings_dicts_or_closures(kernel, decorator):
             assert not isinstance(node, forbidden), f"line {node.lineno}"
             is_text = isinstance(node, ast.Constant) and isinstance(node.value, str | bytes)
             assert not is_text or id(node) in letters, f"line {node.lineno}"
+
+
+# -- sizes ---------------------------------------------------------------------------------------
+
+SIZED = (
+    "case",
+    "effects",
+    "step",
+    "simulation",
+    "studies.bench",
+    "measure.observation",
+    "blind.truth",
+)
+SIZED += ("verification", "output.fingerprint")
+FILE_LINES, FUNCTION_LINES, ARGUMENTS, KERNEL_ARGUMENTS = 300, 40, 6, 10
+LARGER = {  # function: why it is longer, or takes more arguments, than others
+    "step.coupled.solve": "the loop over the sweeps: every call takes arrays of its own",
+    "step.momentum.mass_fluxes": "six sides of two kinds of control volumes share what they read",
+    "step.momentum.advect_momentum": "entry from Python with all arrays of two instants",
+    "step.level_set.advection_rate": "one pass over the band: WENO5 in two directions",
+    "step.coulomb_walls.bed_friction": "called in every sweep on arrays that no tuple holds",
+    "step.coulomb_walls.back_wall_friction": "called in every sweep on arrays that no tuple holds",
+    "step.gate.gate_friction": "called in every sweep on arrays that no tuple holds",
+    "step.dilatancy.dilate": "called in every sweep on arrays that no tuple holds",
+    "step.grain_response.respond": "the one hook of the effects in a sweep",
+    "step.coefficients.answer_beforehand": "the hook before the first sweep",
+    "step.assembly.assemble": "entry from Python with matrix, fields and constants",
+    "step.quantities.fill_quantities": "five results of one pass",
+    "step.redistancing.slopes": "ten values of a stencil",
+    "step.lanes.subtract_rows": "rows of a band by pointer and stride",
+    "step.lanes.scale_rows": "rows of a band by pointer and stride",
+    "step.lanes.subtract_block": "rows of a band by pointer and stride",
+    "step.cell_transport.transport_cells": "flow, surface and aperture of two instants",
+    "step.projection.solve": "the reference method has the arguments of the coupled one",
+    "step.projection.assemble_momentum": "the reference method has the arguments of the coupled one",
+    "verification.boxes.__init__": "the options of a box, by keyword",
+}
+
+
+def sized():
+    """Modules whose sizes are held."""
+    return [name for name in FILES if any(f"{name}.".startswith(f"{part}.") for part in SIZED)]
+
+
+def code_lines(function, lines):
+    """Lines of a function without its docstring, blank lines and comments."""
+    first = function.body[0]
+    described = ast.get_docstring(function) is not None
+    skipped = range(first.lineno, first.end_lineno + 1) if described else ()
+    numbers = (n for n in range(function.lineno, function.end_lineno + 1) if n not in skipped)
+    return sum(1 for n in numbers if lines[n - 1].strip() and lines[n - 1].strip()[0] != "#")
+
+
+def too_large(name):
+    """Functions of a module that are longer, or take more arguments, than others may."""
+    lines = FILES[name].read_text(encoding="utf-8").splitlines()
+    for function in ast.walk(TREES[name]):
+        if isinstance(function, ast.FunctionDef):
+            compiled = "jit" in "".join(map(ast.unparse, function.decorator_list))
+            most = KERNEL_ARGUMENTS if compiled else ARGUMENTS
+            count = len(function.args.args) + len(function.args.kwonlyargs)
+            if count > most or code_lines(function, lines) > FUNCTION_LINES:
+                yield f"{name}.{function.name}"
+
+
+@pytest.mark.parametrize("name", sized())
+def test_files_and_functions_are_small(name):
+    assert len(FILES[name].read_text(encoding="utf-8").splitlines()) <= FILE_LINES
+    assert set(too_large(name)) <= set(LARGER)
+
+
+def test_every_exception_is_one():
+    assert {function for name in sized() for function in too_large(name)} == set(LARGER)
+
+
+def test_no_private_method_of_a_simulation_is_overridden():
+    """Other flows take other stages."""
+    folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "runs", "plots"))]
+    for path in (path for folder in folders for path in folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            bases = {ast.unparse(base) for base in getattr(node, "bases", ())}
+            if isinstance(node, ast.ClassDef) and bases & {"Simulation", "UniformFlow", "Box"}:
+                methods = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
+                private = {name for name in methods if name[0] == "_" and name != "__init__"}
+                assert not private, f"{path}: {node.name}"

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import PHYSICAL
 from fvcollapse.errors import InputError
 from fvcollapse.simulation import Simulation
 from fvcollapse.studies import bench
+from fvcollapse.studies.bench import case_list, measured, report
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.02, "effects.lateral_friction": {}})
 
@@ -23,16 +25,16 @@ def run(kind):
 
 def test_a_timed_run_is_the_run():
     """Bit for bit, with the parts of the sweep timed in its midst."""
-    timed, plain = run(bench.TimedSimulation), run(Simulation)
+    timed, plain = run(measured.TimedSimulation), run(Simulation)
     assert timed.steps == plain.state.step
-    assert len(timed.sweep_parts) >= bench.SAMPLES - 1
+    assert len(timed.sweep_parts) >= measured.SAMPLES - 1
     for name in ("level_set", "u", "w", "pressure_filled"):
         assert np.array_equal(getattr(timed.state, name), getattr(plain.state, name))
 
 
 def test_figures_add_up():
     """Shares sum to one; no part of a sweep beats the bound of its memory traffic a hundred times over."""
-    row = bench.figures(run(bench.TimedSimulation))
+    row = measured.figures(run(measured.TimedSimulation))
     assert sum(row["share"].values()) == pytest.approx(1.0)
     assert all(value > 0.0 for value in row["sweep_s"].values())
     assert 0.0 < row["bound_sweep_s"] < sum(row["sweep_s"].values())
@@ -42,7 +44,7 @@ def test_figures_add_up():
 
 
 def test_bandwidth_is_that_of_some_machine():
-    assert 1e8 < bench.bandwidth(1e6) < 1e13
+    assert 1e8 < measured.bandwidth(1e6) < 1e13
 
 
 def test_unknown_case_is_refused():
@@ -59,23 +61,23 @@ def test_effects_are_compared_with_the_case_without(monkeypatch, tmp_path):
 
     def run_member(case):
         gate = case.effects.gate
-        row = bench.figures(made) | {"wall_s": 2.0 if gate is None else 3.0, "command_s": 4.0}
+        row = measured.figures(made) | {"wall_s": 2.0 if gate is None else 3.0, "command_s": 4.0}
         return row | {"end": case.time.end}
 
-    made = run(bench.TimedSimulation)
+    made = run(measured.TimedSimulation)
     monkeypatch.setattr(bench, "run_member", run_member)
     report = bench.run_bench(["gate"], tmp_path / "bench.json", quiet=True, effects=True)
     found = {row["name"]: row["cost_factor"] for row in report["cases"]}
-    assert found == {bench.NO_EFFECT: 1.0, "gate": 1.5}
+    assert found == {case_list.NO_EFFECT: 1.0, "gate": 1.5}
     assert all(row["end"] == 2.0 for row in report["cases"])
     assert json.loads((tmp_path / "bench.json").read_text())["cases"] == report["cases"]
     assert bench.table(report).splitlines()[0].endswith("cost factor")
 
 
 def test_every_effect_that_changes_the_flow_has_a_cost():
-    found = bench.effect_cases()
+    found = case_list.effect_cases()
     flowing = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]
-    assert list(found) == [bench.NO_EFFECT, *flowing]
+    assert list(found) == [case_list.NO_EFFECT, *flowing]
     for name in flowing:
         assert getattr(found[name].effects, name) is not None
 
@@ -86,7 +88,7 @@ def test_growth_is_the_exponent_of_the_cost():
         {"name": f"a_{h}mm", "cell_size": 1e-3 * h, "us_per_cell_and_step": 12.0 / h}
         for h in (12, 6, 3)
     ]
-    found = bench.growth([*rows, {**rows[0], "name": "b_12mm"}])
+    found = report.growth([*rows, {**rows[0], "name": "b_12mm"}])
     assert set(found) == {"a"}
     assert found["a"]["exponent"] == pytest.approx(1.0)
     assert found["a"]["ratio"] == pytest.approx(2.0)

@@ -74,6 +74,25 @@ def test_a_kernel_is_made_again_when_another_file_of_the_step_changes(tmp_path):
     assert runs == [["0"], ["1"], ["0"]]
 
 
+def test_kernels_of_a_class_that_is_gone_are_made_again(tmp_path):
+    """An index on the disk names the classes of the arguments."""
+    package = Path(fvcollapse.__file__).parent
+    shutil.copytree(package, tmp_path / package.name)
+    program = (
+        "from fvcollapse.step.geometry import allocate_geometry, last_face\n"
+        "print(last_face(allocate_geometry(3, 2)), sum(last_face.stats.cache_hits.values()))"
+    )
+    runs = [run(tmp_path / "kernels", program, tmp_path) for _ in range(2)]
+    file = tmp_path / package.name / "step" / "geometry.py"
+    text = file.read_text(encoding="utf-8")
+    text = text.replace("class Geometry(", "class Grains(").replace(
+        "return Geometry(", "return Grains("
+    )
+    file.write_text(text, encoding="utf-8")
+    runs.append(run(tmp_path / "kernels", program, tmp_path))
+    assert runs == [["4 0"], ["4 1"], ["4 0"]]
+
+
 @pytest.mark.parametrize("values", [[math.nan, 1.0], [1.0, math.nan], [math.nan, math.nan]])
 def test_the_larger_of_a_number_and_nan_is_nan(values):
     assert math.isnan(arrays.largest(np.array([values])))

@@ -4,7 +4,8 @@ import pytest
 from fake_simulation import FakeSimulation
 from PIL import Image
 
-from fvcollapse.effects.catalogue import CATALOGUE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import OBSERVATION
 from fvcollapse.output import run as output
 from plots import effects as figures
 from runs.effects import study

@@ -11,12 +11,12 @@ from fvcollapse.output.fingerprint import ROOTS, solver_code, solver_digest, sol
 # a solver in small, with the roots of the true one
 FILES = {
     "errors.py": "class NumericalError(Exception):\n    pass\n",
-    "grammar.py": (
+    "case/grammar.py": (
         "class Section:\n    pass\n\ndef key(unit, description, **limits):\n    return unit\n"
     ),
-    "case.py": """
+    "case/case.py": """
+from small.effects.catalogue import CATALOGUE, with_effects
 from .grammar import Section, key
-from .sections import Cohesion
 
 class Geometry(Section):
     '''The column.'''
@@ -26,35 +26,45 @@ class Geometry(Section):
     def area(self):
         return self.height * self.length
 
+Effects = msgspec.defstruct("Effects", [(name, each.section) for name, each in CATALOGUE.items()])
+
 class Case(Section):
     geometry: Geometry = Geometry()
-    cohesion: Cohesion | None = None
+    effects: Effects = Effects()
+
+    @property
+    def resolved(self):
+        return with_effects(self)
 
     def to_toml(self):
         return "case"
 """,
-    "sections.py": """
-from .grammar import Section, key
+    "effects/catalogue.py": """
+NAMES = ("cohesion",)
+CATALOGUE = {name: import_module(f"small.effects.{name}").EFFECT for name in NAMES}
+
+def with_effects(case):
+    for effect in CATALOGUE.values():
+        case = effect.change(case)
+    return case
+""",
+    "effects/cohesion.py": """
+from small.case.grammar import Section, key
+from small.effects.effect import Effect, Prior
 
 class Cohesion(Section):
     kappa_0: Annotated[float, key("Pa", "cohesion", ge=0)] = 0.0
-""",
-    "effects.py": """
-CATALOGUE = {"cohesion": Effect(PHYSICAL, {"kappa_0": Prior("uniform", 0, 1, "C", "a guess")})}
 
-def with_effects(case):
-    for apply in KEY_CHANGES:
-        case = apply(case)
-    return case
-
-def change_cohesion(case):
+def raise_yield_stress(case):
     return stronger(case, 1.0)
 
 def stronger(case, factor):
     return case
 
-KEY_CHANGES = (change_cohesion,)
+EFFECT = Effect("cohesion", PHYSICAL, Cohesion,
+    priors={"kappa_0": Prior("uniform", 0, 1, "C", "a guess")}, change=raise_yield_stress)
 """,
+    "effects/effect.py": "class Effect(NamedTuple):\n    name: str\n\nclass Prior(NamedTuple):\n    kind: str\n",
     "simulation.py": """
 '''The run.'''
 from math import sqrt
@@ -77,10 +87,23 @@ class Simulation:
     "step/__init__.py": "",
     "step/rates.py": "def shear_rate(u):\n    return 2.0 * u\n\ndef unused(u):\n    return u\n",
     "step/solve.py": "def solve(x):\n    return x + _half(x)\n\ndef _half(x):\n    return 0.5 * x\n",
-    "recorder.py": "class Recorder:\n    pass\n\ndef schedule(case):\n    return ()\n",
-    "observation.py": "def flow_case(case):\n    return case\n",
-    "observables.py": "def observe(result):\n    return _half(result)\n\ndef _half(x):\n    return 0.25 * x\n",
+    "output/recorder.py": "class Recorder:\n    pass\n\ndef schedule(case):\n    return ()\n",
+    "measure/observation.py": "def flow_case(case):\n    return case\n",
+    "measure/observables.py": (
+        "def observe(result):\n    return _half(result)\n\ndef _half(x):\n    return 0.25 * x\n"
+    ),
 }
+DRAG = """
+from small.case.grammar import Section
+from small.effects.effect import Effect, Prior
+
+class Drag(Section):
+    c: float = 0.0
+
+EFFECT = Effect("drag", PHYSICAL, Drag, priors={"c": Prior("uniform", 0, 1, "C", "a guess")}, term="drag")
+"""
+ADDED = [("effects/catalogue.py", '("cohesion",)', '("cohesion", "drag")')]
+ADDED_FILES = {"effects/drag.py": DRAG, "step/drag.py": "def before_solve(u):\n    return -u\n"}
 
 
 @pytest.fixture
@@ -114,8 +137,8 @@ def digest(tmp_path):
         ("simulation.py", "raise NumericalError", "raise ValueError"),
         ("simulation.py", "'''The run.'''", "import numpy\nnumpy.seterr(all='raise')"),
         ("step/__init__.py", "", "numpy.seterr(all='raise')"),
-        ("effects.py", "case = apply(case)", "case = apply(apply(case))"),
-        ("case.py", "self.height *", "self.height +"),
+        ("effects/catalogue.py", "effect.change(case)", "effect.change(effect.change(case))"),
+        ("case/case.py", "self.height *", "self.height +"),
     ],
 )
 def test_what_changes_numbers_counts(digest, file, old, new):
@@ -130,12 +153,12 @@ def test_what_changes_numbers_counts(digest, file, old, new):
         ("simulation.py", "dt: float) -> float", "dt)"),
         ("simulation.py", "dt = {dt}: too long", "time step of {dt} s"),
         ("simulation.py", "solve as solved", "solve as other"),
-        ("case.py", "height of the column", "initial height"),
-        ("case.py", "gt=0)] = 0.14", "gt=0, le=9)] = 0.15"),
-        ("case.py", 'return "case"', 'return "another"'),
-        ("sections.py", '"cohesion", ge=0', '"added cohesion", ge=-1'),
-        ("effects.py", '"a guess"', '"measured"'),
-        ("effects.py", '"uniform", 0, 1', '"uniform", 0, 2'),
+        ("case/case.py", "height of the column", "initial height"),
+        ("case/case.py", "gt=0)] = 0.14", "gt=0, le=9)] = 0.15"),
+        ("case/case.py", 'return "case"', 'return "another"'),
+        ("effects/cohesion.py", '"cohesion", ge=0', '"added cohesion", ge=-1'),
+        ("effects/cohesion.py", '"a guess"', '"measured"'),
+        ("effects/cohesion.py", '"uniform", 0, 1', '"uniform", 0, 2'),
         ("step/rates.py", "return u\n", "return -u\n"),
         ("errors.py", "pass", "status = 1"),
     ],
@@ -159,85 +182,38 @@ def test_a_definition_may_move_to_another_file(digest, statement):
 
 
 def test_two_functions_of_one_name_may_not_be_exchanged(digest):
-    changes = [("step/solve.py", "0.5 * x", "0.25 * x"), ("observables.py", "0.25 * x", "0.5 * x")]
+    changes = [
+        ("step/solve.py", "0.5 * x", "0.25 * x"),
+        ("measure/observables.py", "0.25 * x", "0.5 * x"),
+    ]
     assert digest(changes) != digest()
 
 
-def test_an_effect_that_only_changes_keys_counts_where_it_is_on(digest):
-    added = [
-        (
-            "sections.py",
-            "class Cohesion",
-            "class Drag(Section):\n    c: float = 0.0\n\nclass Cohesion",
-        ),
-        ("case.py", "import Cohesion", "import Cohesion, Drag"),
-        ("case.py", "cohesion: Cohesion", "drag: Drag | None = None\n    cohesion: Cohesion"),
-        ("effects.py", "(change_cohesion,)", "(change_cohesion, change_drag)"),
-        (
-            "effects.py",
-            "\ndef stronger",
-            "\ndef change_drag(case):\n    return 2 * case\n\ndef stronger",
-        ),
-    ]
+def test_an_effect_counts_where_it_is_on(digest):
     for effects in ((), ("cohesion",)):
-        assert digest(added, effects=effects) == digest(effects=effects)
-    assert digest(added, effects=("drag",)) != digest(added)
-    other = [*added[:-1], (*added[-1][:2], added[-1][2].replace("2 *", "3 *"))]
-    assert digest(other, effects=("drag",)) != digest(added, effects=("drag",))
-    changed = [("effects.py", "return stronger(case, 1.0)", "return stronger(case, 2.0)")]
+        assert digest(ADDED, ADDED_FILES, effects) == digest(effects=effects)
+    drag = digest(ADDED, ADDED_FILES, ("drag",))
+    assert drag != digest(ADDED, ADDED_FILES)
+    law = [*ADDED, ("step/drag.py", "-u", "-2 * u")]
+    assert digest(law, ADDED_FILES, ("drag",)) != drag
+    changed = [("effects/cohesion.py", "return stronger(case, 1.0)", "return stronger(case, 2.0)")]
     assert digest(changed) == digest()
     assert digest(changed, effects=("cohesion",)) != digest(effects=("cohesion",))
 
 
-def test_an_effect_in_a_file_of_its_own_counts_where_it_is_on(digest):
-    """The package of effects: a file with an EFFECT, whose laws stand in the step."""
-    effect = """
-from small.step.drag import brake
-
-EFFECT = Effect("drag", priors={"c": Prior("uniform", 0, 1, "C", "a guess")}, limit=brake)
-"""
-    package = {
-        "effects.py": None,
-        "effects/__init__.py": """
-from . import drag
-
-CATALOGUE = {"drag": drag.EFFECT}
-
-def with_effects(case):
-    for effect in CATALOGUE.values():
-        case = effect.change(case)
-    return case
-""",
-        "effects/drag.py": effect,
-        "step/drag.py": "def brake(u):\n    return -u\n",
-    }
-    without = package | {
-        "effects/__init__.py": package["effects/__init__.py"].replace('"drag": drag.EFFECT', ""),
-        "effects/drag.py": None,
-        "step/drag.py": None,
-    }
-    assert digest(files=package) == digest(files=without)
-    drag = digest(files=package, effects=("drag",))
-    assert drag != digest(files=package)
-    law, prior = ("step/drag.py", "-u", "-2 * u"), ("effects/drag.py", "a guess", "measured")
-    assert digest([law], package, ("drag",)) != drag
-    assert digest([prior], package, ("drag",)) == drag
+def test_what_is_known_of_an_effect_does_not_count(digest):
+    for old, new in (
+        ("a guess", "measured"),
+        ("change=raise", "zero=({}, {}), change=raise"),
+        ("change=raise", "needs_walls=True, refuse=stronger, change=raise"),
+    ):
+        prose = [("effects/cohesion.py", old, new)]
+        assert digest(prose, effects=("cohesion",)) == digest(effects=("cohesion",))
 
 
 def test_the_order_of_effects_that_are_on_counts(digest):
-    both = [
-        (
-            "effects.py",
-            "\ndef stronger",
-            "\ndef change_drag(case):\n    return 2 * case\n\ndef stronger",
-        ),
-        ("effects.py", "(change_cohesion,)", "(change_cohesion, change_drag)"),
-    ]
-    turned = [both[0], ("effects.py", "(change_cohesion,)", "(change_drag, change_cohesion)")]
     on = ("cohesion", "drag")
-    assert digest(both, effects=on) != digest(turned, effects=on)
-    assert digest(both, effects=("drag",)) == digest(turned, effects=("drag",))
-    assert digest(both, effects=on) != digest(both, effects=on[::-1])
+    assert digest(ADDED, ADDED_FILES, on) != digest(ADDED, ADDED_FILES, on[::-1])
 
 
 @pytest.mark.parametrize(
@@ -265,8 +241,8 @@ def test_the_digest_covers_the_step_and_nothing_of_the_output():
     modules = {module.rpartition(".")[2] for module, _ in reached}
     step = {path.stem for path in (code.package / "step").glob("[a-z]*.py")}
     assert step | {"simulation", "recorder", "grid", "state"} <= modules
-    assert not {"output", "sweep", "pictures", "errors", "case_rules", "files"} & modules
-    assert not {"CATALOGUE", "KEY_CHANGES", "case_from_table"} & {name for _, name in reached}
+    assert not {"output", "sweep", "pictures", "errors", "rules", "files"} & modules
+    assert not {"CATALOGUE", "NAMES", "case_from_table"} & {name for _, name in reached}
     assert {"Geometry", "Simulation", "observe", "KernelCache"} <= {name for _, name in reached}
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.diagnosis.question import Question
-from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.observables import Observations
 from fvcollapse.measure.quantities import CURVES
@@ -24,7 +23,7 @@ SIGMA = {"front": 0.004, "profiles": 0.0012, "volume": 0.003, "interface": 0.002
 
 def shape_of(case):
     """(start [s], duration [s], reach [m], exponent, share at rest) of a collapse."""
-    case = with_effects(case)
+    case = case.resolved
     geometry, law, effects = case.geometry, case.rheology, case.effects
     fall = sqrt(geometry.height_0 / GRAVITY)
     friction = law.mu_1 + 0.15 * (law.mu_2 - law.mu_1) * (0.5 + 0.5 * sqrt(0.3 / law.I_0))

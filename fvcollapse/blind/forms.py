@@ -12,7 +12,8 @@ import msgspec
 from fvcollapse.blind.generator import SET_UPS
 from fvcollapse.case.grammar import closest_name, show
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.output.forms import form_problems
 from fvcollapse.output.json_files import read_object

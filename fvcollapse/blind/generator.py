@@ -14,7 +14,8 @@ from fvcollapse.blind.measurement import Errors
 from fvcollapse.blind.outside import UNKNOWNS
 from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError
 
 TRIES = 200  # of values that fit together

@@ -1,6 +1,7 @@
 """The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
 
 import io
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from fvcollapse.output.result import Result, open_result
 from fvcollapse.output.run import Job
 from fvcollapse.output.trust import COMPLETE
 from fvcollapse.simulation import Simulation
+from fvcollapse.step.advance import STAGES
 
 SEEDS = 2**31  # of the scatter of jumping grains
 
@@ -41,26 +43,16 @@ class View(NamedTuple):
         return cls(seen.front, seen.volume, time, x, thickness, as_grid(seen.interface)[2])
 
 
-class ForcedSimulation(Simulation):
-    """A simulation on whose grains further forces act, between advection and the implicit solve."""
+def with_forces(forces):
+    """The stages of a step in which further forces act on the grains, between advection and the implicit solve."""
 
-    def __init__(self, case, forces, state=None):
-        self.forces = forces
-        super().__init__(case, state)
-
-    def _advect_momentum(self, old_level_set, packing, dt):
-        u_star, w_star = super()._advect_momentum(old_level_set, packing, dt)
-        slope = self.case.geometry.slope_angle_deg
-        brake(self.forces, u_star, w_star, dt, self.spacing[0], slope)
+    def carry_momentum(simulation, old_level_set, packing, dt):
+        u_star, w_star = STAGES.carry_momentum(simulation, old_level_set, packing, dt)
+        slope = simulation.case.geometry.slope_angle_deg
+        brake(forces, u_star, w_star, dt, simulation.spacing[0], slope)
         return u_star, w_star
 
-
-class ForcedJob(Job):
-    """A `Job` of a `ForcedSimulation`, from t = 0."""
-
-    def __init__(self, case, forces):
-        super().__init__(case)
-        self.simulation = ForcedSimulation(case, forces)
+    return STAGES._replace(carry_momentum=carry_momentum)
 
 
 def run_truth(case, forces):
@@ -70,7 +62,8 @@ def run_truth(case, forces):
     ------
     NumericalError
     """
-    job = ForcedJob(case, forces) if forces else Job(case)
+    stages = with_forces(forces) if forces else STAGES
+    job = Job(case, simulate=partial(Simulation, stages=stages))
     with progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
     return open_image(extract_image(Result(io.BytesIO(job.result_image(COMPLETE)))))

@@ -7,18 +7,16 @@ default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib
+from functools import cached_property
 from math import sqrt
-from typing import Annotated, Literal
 
 import msgspec
 
-from fvcollapse.case import effect_sections as case_effects
 from fvcollapse.case.grammar import (
     Section,
     as_table,
     closest,
     convert,
-    key,
     key_table,
     parse_toml,
     plain,
@@ -27,8 +25,9 @@ from fvcollapse.case.grammar import (
     table_names,
     toml_lines,
 )
-from fvcollapse.case.rules import POLYGON_WORDS, RULES
-from fvcollapse.effects.catalogue import with_effects
+from fvcollapse.case.rules import RULES
+from fvcollapse.case.sections import Boundary, Front, Gate, Geometry, Grid, Numerics, Rheology, Time
+from fvcollapse.effects.catalogue import CATALOGUE, with_effects
 from fvcollapse.errors import CaseError
 from fvcollapse.files.trees import ENDLESS_NAME, is_text
 
@@ -37,267 +36,12 @@ DOMAIN_MAX = (
     100.0  # of height and length of the column: a collapse that stops runs out a tenth of it
 )
 
-Seconds = Annotated[float, msgspec.Meta(ge=0)]
-Coordinate = Annotated[float, msgspec.Meta(ge=0, le=1000)]
 
-
-class Geometry(Section):
-    """The column at rest: x along the bed from the back wall, z normal to the bed."""
-
-    slope_angle_deg: Annotated[float, key("deg", "inclination of the bed", ge=0, le=30)] = 22.0
-    height_0: Annotated[
-        float, key("m", "initial height of the column, normal to the bed", ge=1e-6, le=1000)
-    ] = 0.14
-    length_0: Annotated[
-        float, key("m", "initial length of the column; the gate stands there", ge=1e-6, le=1000)
-    ] = 0.20
-    channel_width: Annotated[
-        float, key("m", "channel width; inf = no lateral walls", ge=1e-6, inf=True, most=1e6)
-    ] = 0.10
-    polygon: (
-        Annotated[
-            tuple[tuple[Coordinate, Coordinate], ...],
-            key(
-                "m", "vertices of the column, instead of height_0 x length_0", allowed=POLYGON_WORDS
-            ),
-        ]
-        | None
-    ) = None
-    surface: Annotated[
-        Literal["parallel", "horizontal"],
-        key("-", "parallel to the bed, or level with gravity at mean height height_0"),
-    ] = "parallel"
-
-    @property
-    def height_max(self):
-        """Greatest initial height above the bed [m] of the rectangle or the polygon."""
-        return max(z for _, z in self.polygon) if self.polygon else self.height_0
-
-    @property
-    def length_max(self):
-        """Greatest initial distance from the back wall [m] of the rectangle or the polygon."""
-        return max(x for x, _ in self.polygon) if self.polygon else self.length_0
-
-
-class Grid(Section):
-    """The cells. The solver rounds the sizes a little, so that the gate is a grid line."""
-
-    cell_size: Annotated[
-        float,
-        key("m", "cell size along the bed; at most a quarter of the height", ge=1e-9, le=1000),
-    ] = 0.006
-    cell_size_z: (
-        Annotated[
-            float, key("m", "cell size normal to the bed; absent = cell_size", ge=1e-9, le=1000)
-        ]
-        | None
-    ) = None
-
-
-class Rheology(Section):
-    """What the user believes of the material."""
-
-    law: Annotated[
-        Literal["mu_I", "drucker_prager", "bingham", "newtonian", "mu_I_regularised"],
-        key("-", "constitutive law"),
-    ] = "mu_I"
-    mu_1: Annotated[
-        float,
-        key("-", "friction coefficient at rest (of drucker_prager: the only one)", ge=0, le=10),
-    ] = 0.48
-    mu_2: Annotated[
-        float, key("-", "friction coefficient at high inertial number; >= mu_1", ge=0, le=10)
-    ] = 0.73
-    I_0: Annotated[float, key("-", "inertial-number scale of mu(I)", ge=1e-9, le=1000)] = 0.279
-    viscosity: Annotated[
-        float, key("Pa s", "viscosity of the constant-viscosity laws", ge=0, le=1e6)
-    ] = 0.4
-    cohesion: Annotated[float, key("Pa", "yield stress at zero pressure", ge=0, le=1e9)] = 0.0
-    grain_diameter: Annotated[float, key("m", "grain diameter", ge=1e-9, le=1)] = 7e-4
-    density_grain: Annotated[
-        float, key("kg/m3", "density of the grain material", ge=0.001, le=1e5)
-    ] = 2500.0
-    density_bulk: Annotated[
-        float, key("kg/m3", "density of the packed grains; <= density_grain", ge=0.001, le=1e5)
-    ] = 1550.0
-    alpha_regularised: Annotated[
-        float, key("-", "alpha of the partially regularised mu(I)", ge=0.001, le=1000)
-    ] = 1.9
-    mu_infinity: Annotated[
-        float, key("-", "growth of mu with I of the partially regularised mu(I)", ge=0, le=10)
-    ] = 0.05
-
-
-class Boundary(Section):
-    """Bed, back wall and the far end of the channel."""
-
-    mu_bed: Annotated[
-        float,
-        key("-", "friction on the bed; 0 = free slip, inf = no slip", ge=0, inf=True, most=1e6),
-    ] = 0.48
-    mu_back_wall: Annotated[
-        float,
-        key(
-            "-", "friction on the back wall; 0 = free slip, inf = no slip", ge=0, inf=True, most=1e6
-        ),
-    ] = 0.48
-    right_end: Annotated[
-        Literal["grow", "open", "error"],
-        key("-", "far end: grows, or material leaves and is booked, or reaching it fails"),
-    ] = "grow"
-    ends: Annotated[
-        Literal["walls", "periodic"],
-        key("-", "back wall and far end, or a periodic stretch length_0 of uniform flow (no gate)"),
-    ] = "walls"
-    domain_length: (
-        Annotated[
-            float,
-            key(
-                "m", "length of the domain at the start; absent = sized by the solver", gt=0, le=1e5
-            ),
-        ]
-        | None
-    ) = None
-
-    domain_max: (
-        Annotated[
-            float,
-            key(
-                "m",
-                "greatest length to which the domain grows; absent = 100 (height_0 + length_0)",
-                gt=0,
-                le=1e5,
-            ),
-        ]
-        | None
-    ) = None
-
-
-class Gate(Section):
-    """The gate, lifted normal to the bed."""
-
-    speed: Annotated[
-        float,
-        key(
-            "m/s",
-            "lifting speed; 0 = stays closed, inf = removed at once",
-            ge=0,
-            inf=True,
-            most=1e6,
-        ),
-    ] = 2.3
-    time_constant: Annotated[
-        float,
-        key("s", "tau of the speed law v (1 - exp(-t/tau)); 0 = constant speed", ge=0, le=1000),
-    ] = 0.0
-
-
-class Front(Section):
-    """How the front is read off the thickness."""
-
-    thickness: Annotated[
-        float, key("m", "the front is where the thickness falls below this", gt=0, le=1000)
-    ] = 0.005
-
-
-class Time(Section):
-    """How long, which outputs, which steps."""
-
-    end: Annotated[float, key("s", "end of the run", ge=0, le=1e5)] = 2.5
-    output_interval: Annotated[float, key("s", "interval between profiles", gt=0, le=1e5)] = 0.02
-    field_interval: Annotated[float, key("s", "interval between fields", gt=0, le=1e5)] = 0.1
-    output_times: Annotated[
-        tuple[Seconds, ...],
-        key(
-            "s", "profiles and fields at these times too", allowed="a list of numbers >= 0, finite"
-        ),
-    ] = ()
-    step_max: (
-        Annotated[
-            float, key("s", "longest time step; absent = 0.01 sqrt(height_0/g)", ge=1e-7, le=0.1)
-        ]
-        | None
-    ) = None
-    cfl: Annotated[float, key("-", "largest Courant number", ge=0.001, le=1)] = 0.5
-
-
-class Numerics(Section):
-    """How the equations are solved."""
-
-    method: Annotated[
-        Literal["coupled", "projection"], key("-", "velocity and pressure in one system or in turn")
-    ] = "coupled"
-    unilateral: Annotated[bool, key("-", "no suction: p >= 0, and div u >= 0 where p = 0")] = True
-    shear_rate_min: Annotated[
-        float, key("1/s", "shear rate below which the yield stress is regularised", ge=1e-12, le=1)
-    ] = 5e-4
-    tolerance: Annotated[
-        float, key("-", "nonlinear iteration: largest relative residual", ge=1e-14, lt=1)
-    ] = 1e-3
-    film_thickness: Annotated[
-        float,
-        key("m", "a film thinner than this at the front moves with the flow behind it", ge=0, le=1),
-    ] = 1.5e-3
-    max_sweeps: Annotated[int, key("-", "nonlinear iterations per step at most", ge=1, le=1000)] = (
-        30
-    )
-
-
-class LateralFriction(Section):
-    """Friction on the lateral walls; acts only where channel_width is finite."""
-
-    mu_wall: Annotated[
-        float, key("-", "friction coefficient on the lateral walls", ge=0, le=10)
-    ] = 0.18
-    pressure_ratio: Annotated[
-        float, key("-", "K_w: the pressure on the lateral walls is K_w p", ge=0, le=10)
-    ] = 1.0
-    closure: Annotated[
-        Literal["sink", "sink_weakening", "friction_increase"],
-        key("-", "sink of momentum, it weakening with depth, or an increase of mu_1 and mu_2"),
-    ] = "sink"
-    deep_ratio: Annotated[
-        float, key("-", "sink_weakening: friction far below the surface over mu_wall", ge=0, le=1)
-    ] = 0.5
-    weakening_depth: Annotated[
-        float, key("m", "sink_weakening: depth over which it falls by 1/e", gt=0, le=1000)
-    ] = 0.02
-    scheme: Annotated[
-        Literal["implicit", "split"],
-        key("-", "closures with a sink: in the solve, or before the projection"),
-    ] = "implicit"
-    flowing_thickness: Annotated[
-        float,
-        key(
-            "m",
-            "friction_increase: mu_1, mu_2 += mu_wall flowing_thickness / channel_width",
-            gt=0,
-            le=1000,
-        ),
-    ] = 0.05
-
-
-class _Effects(Section):
-    lateral_friction: LateralFriction | None = None
-    gate: case_effects.Gate | None = None
-    viscosity: case_effects.Viscosity | None = None
-    bed_friction: case_effects.BedFriction | None = None
-    dilatancy: case_effects.Dilatancy | None = None
-    cohesion: case_effects.Cohesion | None = None
-    friction_hysteresis: case_effects.FrictionHysteresis | None = None
-    erodible_bed: case_effects.ErodibleBed | None = None
-    transverse_profile: case_effects.TransverseProfile | None = None
-    front_saltation: case_effects.FrontSaltation | None = None
-    tilt: case_effects.Tilt | None = None
-    column_size: case_effects.ColumnSize | None = None
-    time_origin: case_effects.TimeOrigin | None = None
-
-
-# `nonlocal` is a word of Python, which no class body can declare
+# built from the catalogue; `nonlocal` is a word of Python, which no class body can declare
 Effects = msgspec.defstruct(
     "Effects",
-    [("nonlocal", case_effects.Nonlocal | None, None)],
-    bases=(_Effects,),
+    [(name, effect.section | None, None) for name, effect in CATALOGUE.items()],
+    bases=(Section,),
     module=__name__,
     namespace={"__doc__": "What is added to the physics that the user believes; absent = off."},
     kw_only=True,
@@ -306,7 +50,7 @@ Effects = msgspec.defstruct(
 )
 
 
-class Case(Section):
+class Case(Section, dict=True):
     """A whole case.
 
     Build it with `load_case`, `case_from_text` or `Case.replace`: they check, and name what they
@@ -322,6 +66,14 @@ class Case(Section):
     time: Time = Time()
     numerics: Numerics = Numerics()
     effects: Effects = Effects()
+
+    @cached_property
+    def resolved(self):
+        """The case that the solver runs: its effects on keys are put into the keys that they change.
+
+        It is its own resolved case.
+        """
+        return with_effects(self)
 
     @property
     def longest_step(self):
@@ -397,7 +149,7 @@ def case_from_table(table, source="case", overridden=()):
     if not refused:
         refused = [refusal for rule in RULES for refusal in rule(case)]
     if not refused:  # what the effects make of the case must be a case too
-        refused = [refusal for rule in RULES for refusal in rule(with_effects(case))]
+        refused = [refusal for rule in RULES for refusal in rule(case.resolved)]
     for name, found, allowed in refused:
         origin = f"{source} with --set {name}" if name in overridden else source
         raise CaseError(origin, name, found, allowed)

@@ -3,11 +3,12 @@
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """
 
-from math import atan, degrees, inf, isfinite, radians, tan
+from math import inf, isfinite, radians, tan
 
 from fvcollapse.case.grammar import key_metas, sections, show
 from fvcollapse.case.limits import LIMIT_RULES, ROUND_OFF
 from fvcollapse.case.well_posed import rule_regularised
+from fvcollapse.effects.catalogue import refusals
 
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
 POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
@@ -80,94 +81,6 @@ def rule_domain(case):
         yield "boundary.domain_max", f"{case.domain_max:g}", limit
 
 
-FIELD_EFFECTS = ("dilatancy", "friction_hysteresis", "nonlocal")
-
-
-def rule_field_effects(case):
-    """Effects that carry a field act on a friction coefficient, in the coupled solve."""
-    method, law = case.numerics.method, case.rheology.law
-    for name in FIELD_EFFECTS:
-        if getattr(case.effects, name) is None:
-            continue
-        if method != "coupled":
-            yield "numerics.method", show(method), f'"coupled" with effects.{name}'
-        if law not in ("mu_I", "drucker_prager"):
-            yield "rheology.law", show(law), f'"mu_I" or "drucker_prager" with effects.{name}'
-
-
-def rule_dilatancy(case):
-    """Grains under suction have no friction, so contracting against it would be a source of energy."""
-    effect = case.effects.dilatancy
-    if effect is not None and effect.dilatancy_factor > 0.0 and not case.numerics.unilateral:
-        yield "numerics.unilateral", "false", "true (no suction) with effects.dilatancy"
-
-
-def rule_viscosity(case):
-    """The viscosity effect has a viscous part to act on, and one way to act."""
-    effect, law = case.effects.viscosity, case.rheology.law
-    if effect is None:
-        return
-    if law == "mu_I_regularised":
-        limit = "absent with rheology.law = mu_I_regularised, whose viscosity is no part of its own"
-        yield "effects.viscosity", "a table", limit
-    if effect.eta_constant is not None and effect.factor != 1.0:
-        yield "effects.viscosity.factor", f"{effect.factor:g}", "absent beside eta_constant"
-
-
-def rule_cohesion(case):
-    """The law has a yield stress to which the cohesion adds."""
-    if case.effects.cohesion is not None and case.rheology.law == "newtonian":
-        limit = 'absent with rheology.law = "newtonian", which has no yield stress'
-        yield "effects.cohesion", "a table", limit
-
-
-def rule_erodible_bed(case):
-    """The layer rests by itself, is no film, and has nothing but itself at its end."""
-    effect = case.effects.erodible_bed
-    if effect is None or effect.thickness == 0.0:
-        return
-    film = case.numerics.film_thickness
-    if effect.thickness < film:
-        limit = f"0, or >= numerics.film_thickness = {film:g}"
-        yield "effects.erodible_bed.thickness", f"{effect.thickness:g}", limit
-    for name, found, allowed in (
-        ("boundary.right_end", case.boundary.right_end, "grow"),
-        ("boundary.ends", case.boundary.ends, "walls"),
-        ("geometry.polygon", "a polygon" if case.geometry.polygon else "absent", "absent"),
-    ):
-        if found != allowed:
-            yield name, show(found), f"{show(allowed)} with effects.erodible_bed"
-    inside, slope = case.rheology.mu_1, case.geometry.slope_angle_deg
-    dilatancy = case.effects.dilatancy
-    if dilatancy is not None:  # loose grains rub less until they are compacted
-        fraction = (
-            dilatancy.solid_fraction_0 or case.rheology.density_bulk / case.rheology.density_grain
-        )
-        loose = min(fraction - dilatancy.solid_fraction_critical, 0.0)
-        inside += dilatancy.dilatancy_factor * loose
-    friction = max(min(inside, case.boundary.mu_bed), 0.0)
-    if tan(radians(abs(slope))) >= friction:
-        limit = f"below {degrees(atan(friction)):.4g}, where a layer on the bed rests by itself"
-        yield "geometry.slope_angle_deg", f"{slope:g}", limit
-
-
-def rule_column_size(case):
-    """The column with its errors is a rectangle of at least four cells, its gate included."""
-    effect, geometry, grid = case.effects.column_size, case.geometry, case.grid
-    if effect is None:
-        return
-    if geometry.polygon is not None:
-        yield "effects.column_size", "a table", "absent with geometry.polygon"
-    least = 4.0 * (grid.cell_size_z or grid.cell_size) / ROUND_OFF
-    for name, error, size, smallest in (
-        ("height", effect.height, geometry.height_0, least),
-        ("length", effect.length, geometry.length_0, 0.5 * geometry.length_0),
-    ):
-        if size + error < smallest:
-            allowed = f">= {smallest - size:g}, with geometry.{name}_0 = {size:g}"
-            yield f"effects.column_size.{name}", f"{error:g}", allowed
-
-
 RULES = (
     rule_finite,
     rule_friction,
@@ -177,12 +90,7 @@ RULES = (
     rule_surface,
     *LIMIT_RULES,
     rule_domain,
-    rule_dilatancy,
-    rule_viscosity,
-    rule_cohesion,
-    rule_erodible_bed,
-    rule_column_size,
-    rule_field_effects,
+    refusals,
 )
 
 

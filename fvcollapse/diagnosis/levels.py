@@ -7,12 +7,12 @@ import numpy as np
 
 from fvcollapse.diagnosis.baseline import refined
 from fvcollapse.diagnosis.grid_correction import reference_level
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError
 
 LEVELS_1D = (0.05, 0.35, 0.65, 0.95)
 LEVELS_RANGE = (0.06, 0.94)  # of the quantiles in more dimensions
-NEED_WALLS = ("lateral_friction", "transverse_profile")  # act only between lateral walls
 
 
 class Closure(NamedTuple):
@@ -99,7 +99,7 @@ def applicable_effects(cases, names=None):
 
 def acts_in(name, case):
     """Whether an effect can act in the set-up of a case."""
-    return name not in NEED_WALLS or case.geometry.channel_width < inf
+    return not CATALOGUE[name].needs_walls or case.geometry.channel_width < inf
 
 
 def effect_runs(closures, experiments, cases):

@@ -5,21 +5,10 @@ An effect that changes the observation and not the flow is read off the run with
 
 from copy import copy
 
-from fvcollapse.case.grammar import as_table
-from fvcollapse.effects.catalogue import CATALOGUE, OBSERVATION
 from fvcollapse.errors import NumericalError, failures_named
 from fvcollapse.measure.observables import observe
+from fvcollapse.measure.observation import flow_case
 from fvcollapse.studies.cache import EXTRACT, RunCache, ready_folder
-
-
-def flow_case(case):
-    """The case that is run: without what changes only what is seen."""
-    effects = as_table(case)["effects"]
-    seen = [name for name in effects if CATALOGUE[name].kind == OBSERVATION]
-    changes = {f"effects.{name}": None for name in seen}
-    if "transverse_profile" in effects:
-        changes["effects.transverse_profile.view"] = None
-    return case.replace(**changes) if changes else case
 
 
 class Runner:

@@ -20,7 +20,8 @@ from fvcollapse.case.grammar import read_text
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.new_effects import new_hypotheses
 from fvcollapse.diagnosis.verdict_features import CASE_FEATURES, FEATURES, features, known_logits
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version

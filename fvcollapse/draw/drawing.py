@@ -13,7 +13,6 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.step.erodible_bed import layer_thickness
 from fvcollapse.step.gate import gate_height, gate_lift
 
@@ -154,7 +153,7 @@ def colour_bar(figure, panels, name, top):
 def draw_gate(axes, case, time, origin=0.0):
     """The gate, as far as it is still in the picture, with z measured from `origin`; return the artists."""
     top = axes.get_ylim()[1]
-    case = with_effects(case)
+    case = case.resolved
     bottom = gate_height(time, gate_lift(case)) - origin
     if not bottom < top:
         return []

@@ -12,11 +12,11 @@ in which a definition stands, and it leaves out what cannot change a number:
 - priors, and what else an `Effect` says of calibration (`NO_NUMBERS`): they decide which cases a
   diagnosis runs, not their results.
 
-An effect that is off changes no bit of a run, which the tests of the catalogue check. The tables that
-list the effects (`EFFECT_TABLES`) are therefore no part of the graph. What an entry of such a table
-reaches counts where the effect is on: the definition `change_<effect>` of `effects.py`, or `EFFECT` in
-`effects/<effect>.py`. A new effect voids no run without it. Code of an effect that is called by name
-from elsewhere, as the terms of the step are today, counts for all cases.
+An effect that is off changes no bit of a run, which the tests of the catalogue check. The table that
+lists the effects (`EFFECT_TABLES`) is therefore no part of the graph. The definition `EFFECT` in
+`effects/<effect>.py`, the stages of its term in the step, and what they reach count where the effect is on,
+so that a new effect voids no run without it. Code of an effect that is called by name from elsewhere counts for
+all cases.
 
 Two versions of Python may disagree on the digest. Two solvers have the same digest only if their
 definitions are the same, apart from what is left out.
@@ -29,6 +29,7 @@ from pathlib import Path
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
+from fvcollapse.step.terms import Terms
 from fvcollapse.version import __version__
 
 # (module, definition) that a run starts from: fields, series, profiles and what is observed of them
@@ -41,13 +42,13 @@ ROOTS = (
     ("measure.observation", "flow_case"),
     ("measure.observables", "observe"),
 )
-KEY_CHANGES = ("effects.catalogue", "KEY_CHANGES")
-EFFECT_TABLES = ("CATALOGUE", KEY_CHANGES[1])
+EFFECT_TABLES = ("CATALOGUE",)
 OUTSIDE = ("errors", "files.storage")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
-EFFECT, NO_NUMBERS = "Effect", ("priors", "absorbed_in", "refuse")  # and arguments of it
-SECTION, DEFINE_SECTION = ("Section", "_Effects"), "defstruct"
+EFFECT = "Effect"
+NO_NUMBERS = ("priors", "absorbed_in", "refuse", "needs_walls", "zero")  # arguments of it
+SECTION, DEFINE_SECTION = "Section", "defstruct"
 
 
 def solver_version(effects=None):
@@ -67,8 +68,7 @@ def solver_digest(package, effects):
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
     code = solver_code(package)
     lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
-    order = [*effects, *changes_in_order(code, effects)]
-    return hashlib.sha256("\n".join([*order, *lines]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([*effects, *lines]).encode()).hexdigest()
 
 
 @cache
@@ -78,16 +78,19 @@ def solver_code(package):
 
 
 def roots_of(code, effect):
-    """Places of the entries of an effect in the tables of effects."""
-    places = (("effects.catalogue", f"change_{effect}"), (f"effects.{effect}", "EFFECT"))
-    return [place for place in places if code.node(*place) is not None]
+    """Places of the code that acts only while an effect is on: its `EFFECT`, and the stages of its term."""
+    module = f"effects.{effect}"
+    definition = code.node(module, "EFFECT")
+    if definition is None:
+        return []
+    stages = [(f"step.{term_of(definition)}", stage) for stage in Terms._fields]
+    return [(module, "EFFECT"), *(place for place in stages if code.node(*place) is not None)]
 
 
-def changes_in_order(code, effects):
-    """Names of the changes of keys of some effects, in the order in which they are applied."""
-    table = code.node(*KEY_CHANGES)
-    names = (part.id for part in ast.walk(table or ast.Pass()) if isinstance(part, ast.Name))
-    return [name for name in names if name.removeprefix("change_") in effects]
+def term_of(definition):
+    """Module of the step that the definition of an `EFFECT` names; "" without one."""
+    keywords = (part for part in ast.walk(definition) if isinstance(part, ast.keyword))
+    return next((part.value.value for part in keywords if part.arg == "term"), "")
 
 
 def is_section(node):
@@ -95,7 +98,7 @@ def is_section(node):
     if isinstance(node, ast.Assign):
         return called_name(node.value) == DEFINE_SECTION
     bases = getattr(node, "bases", ()) if isinstance(node, ast.ClassDef) else ()
-    return any(isinstance(base, ast.Name) and base.id in SECTION for base in bases)
+    return any(isinstance(base, ast.Name) and base.id == SECTION for base in bases)
 
 
 class Counted(ast.NodeTransformer):

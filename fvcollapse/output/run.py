@@ -71,7 +71,13 @@ def run(case, folder=None):
 
 
 def run_case(
-    case, folder, resume=False, quiet=False, checkpoint_interval=CHECKPOINT_INTERVAL, force=False
+    case,
+    folder,
+    resume=False,
+    quiet=False,
+    checkpoint_interval=CHECKPOINT_INTERVAL,
+    force=False,
+    simulate=None,
 ):
     """Run a case into `folder`, or continue what is there.
 
@@ -89,6 +95,8 @@ def run_case(
         Wall time between checkpoints [s].
     force : bool
         Continue a run of the same case, and replace one of another.
+    simulate : callable, optional
+        Makes the simulation of (case, state), if not `Simulation` itself.
 
     Raises
     ------
@@ -122,7 +130,7 @@ def run_case(
         if not_kept():
             tell_once(log, UNCACHED)
         with failures_named():
-            job = Job(case, stored)
+            job = Job(case, stored, simulate)
         keeper = Keeper(job, folder, log, checkpoint_interval)
         keeper.save(RUNNING)
         with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
@@ -133,16 +141,20 @@ def run_case(
 
 
 class Job:
-    """A simulation with its recorder: the two always belong to the same instant after `step`."""
+    """A simulation with its recorder: the two always belong to the same instant after `step`.
 
-    def __init__(self, case, stored=None):
+    `simulate` makes the simulation of (case, state), if not `Simulation` itself.
+    """
+
+    def __init__(self, case, stored=None, simulate=None):
+        simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
         if stored is None:
-            self.simulation, self.recorder = Simulation(case), Recorder()
+            self.simulation, self.recorder = simulate(case), Recorder()
             self.recorder.add_series(self.simulation)
             self.recorder.add_snapshot(self.simulation, self.landings[0])
         else:
-            self.simulation, self.recorder = Simulation(case, stored.state.copy()), stored.recorder
+            self.simulation, self.recorder = simulate(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
         self.state = self.simulation.state.copy()  # the last good state
         self.guards = guards_of(self.simulation, self.recorder)

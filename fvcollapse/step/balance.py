@@ -42,23 +42,10 @@ class Balance(NamedTuple):
     response: Response | None
 
 
-def balance_of(case, state, dt, gravity, lift, gate_column, response):
-    """`Balance` of the step of dt (s) that follows `state`.
-
-    Parameters
-    ----------
-    case : Case
-        With its effects on keys applied (`with_effects`).
-    state : State
-    dt : float
-    gravity : (gx, gz)
-        Along and normal to the bed, m/s2.
-    lift : Lift
-    gate_column : int
-        Negative without a gate.
-    response : Response
-        Of the effects that carry a field.
-    """
+def balance_of(simulation, dt):
+    """`Balance` of the step of dt (s) that the state of a simulation is in."""
+    case, state, lift = simulation.case, simulation.state, simulation.lift
+    response = simulation.response
     numerics, height, density = case.numerics, case.geometry.height_0, case.rheology.density_bulk
     walls, gate = case.effects.lateral_friction, case.effects.gate
     strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
@@ -68,8 +55,8 @@ def balance_of(case, state, dt, gravity, lift, gate_column, response):
     return Balance(
         dt=dt,
         density=density,
-        gx=gravity[0],
-        gz=gravity[1],
+        gx=simulation.gravity[0],
+        gz=simulation.gravity[1],
         mu_bed=float(case.boundary.mu_bed),
         mu_back_wall=0.0 if periodic else float(case.boundary.mu_back_wall),
         wall_strength=strength,
@@ -82,7 +69,7 @@ def balance_of(case, state, dt, gravity, lift, gate_column, response):
         rate_start=soft,
         wall_deep_ratio=deep_ratio,
         wall_weakening_depth=weakening_depth,
-        gate_column=gate_column,
+        gate_column=simulation.gate_column,
         gate_speed=gate_velocity(state.time + dt, lift),
         mu_gate=gate.mu_gate if gate is not None else 0.0,
         response=response if response.active else None,

@@ -12,6 +12,7 @@ from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
 
+from numba import __version__ as numba_version
 from numba import config, njit
 from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
@@ -33,8 +34,10 @@ class KernelCache(FunctionCache):
     without the tables of the compiler, which take half a second to import; a miss loads them.
     """
 
-    def _index_key(self, sig, codegen):
-        return (*super()._index_key(sig, codegen), source_digest())
+    def __init__(self, function):
+        super().__init__(function)
+        # the index of another version is not even read: it may name classes that are gone
+        self._cache_file._version = f"{numba_version}+{source_digest()}"
 
     def save_overload(self, sig, data):
         """Keep a kernel; one that the disk does not take is compiled again next time."""

@@ -78,16 +78,21 @@ def initial_fraction(case):
     return effect.solid_fraction_0
 
 
-def start_dilatancy(state, case):
-    """Give the state the fields of the effect, uniform and at rest, unless it has them or the effect is off."""
-    if case.effects.dilatancy is not None and state.solid_fraction is None:
+def start(state, case):
+    """The state has the fields of the effect, uniform and at rest, unless it had them."""
+    if state.solid_fraction is None:
         state.solid_fraction = np.full(state.pressure_filled.shape, initial_fraction(case))
         state.dilation_rate = np.zeros(state.pressure_filled.shape)
 
 
-def limit_dilatancy(dilation_rate):
-    """No cell changes its volume by more than `CHANGE_PER_STEP` in one step, s; None: no dilatancy."""
-    fastest = 0.0 if dilation_rate is None else np.abs(dilation_rate).max()
+def extend(state, case, nx, nz):
+    """Cells beyond the first nx columns and nz rows hold the solid fraction of the start."""
+    state.solid_fraction[nx:] = state.solid_fraction[:, nz:] = initial_fraction(case)
+
+
+def limit(state):
+    """Longest step, s, in which no cell changes its volume by more than `CHANGE_PER_STEP`."""
+    fastest = np.abs(state.dilation_rate).max()
     return CHANGE_PER_STEP / fastest if fastest > 0.0 else math.inf
 
 
@@ -192,9 +197,14 @@ def dilation_power(source, pressure_filled, geometry):
     return power
 
 
-def carry_fraction(state, aperture, phi_old, dt, dx, dz):
-    """Solid fraction after the grains have moved and expanded for dt, in place; the surface has moved already."""
+def carry(state, aperture, phi_old, dt, dx, dz):
+    """The solid fraction has moved and expanded with the grains for dt (s); the surface has moved already."""
     moved = transport_cells(
         state.solid_fraction, state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
     )
     state.solid_fraction[:] = moved * (1.0 - state.dilation_rate * dt)
+
+
+def finish(simulation, dt):
+    """The rate of dilation is that of the solve."""
+    simulation.state.dilation_rate[:] = simulation.work.response.source

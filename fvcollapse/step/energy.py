@@ -14,16 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import inner_jit, kernel_jit
-from .coupled import MASS_FLOOR
 from .dilatancy import dilation_power
-from .geometry import last_face
+from .geometry import MASS_FLOOR, last_face
 
 
 class Work(NamedTuple):
     """Work done against each resistance, J/m.
 
     bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included,
-    less what the grains do against the pressure in dilating; bed, back_wall: slip along them;
+    less what the grains do against the pressure in dilating, and against the forces of terms that act before
+    the solve; bed, back_wall: slip along them;
     lateral: the channel's side walls; gate: friction along it less what its motion gives the
     grains, so it may be negative.
     """
@@ -144,26 +144,23 @@ def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
     )
 
 
-def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
+def work_of_step(simulation, impulses, balance):
     """Work of one step from the coefficients of its last nonlinear sweep.
 
     Parameters
     ----------
-    scratch : coupled.Work
-        Coefficients of viscosity and friction with which the velocity was solved.
-    state : State
-        Velocity after the solve, before it is continued beyond the surface.
-    geometry : Geometry
-    impulse : tuple of (nx + 1, nz), (nx, nz + 1) arrays, or None
-        Change of velocity by the lateral walls before the solve (split form), m/s.
+    simulation : Simulation
+        After the solve, before the velocity is continued beyond the surface.
+    impulses : list of Impulse
+        Changes of velocity before the solve.
     balance : Balance
-    dx, dz : float
-        m.
 
     Returns
     -------
     Work
     """
+    scratch, state, geometry = simulation.work, simulation.state, simulation.geometry
+    dx, dz = simulation.spacing
     u, w, dt = state.u, state.w, balance.dt
     volume = dx * dz
     bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
@@ -171,8 +168,13 @@ def work_of_step(scratch, state, geometry, impulse, balance, dx, dz):
     bulk *= volume
     if balance.response is not None and balance.response.dilatancy.factor > 0.0:
         bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
-    if impulse is not None:
-        lateral -= impulse_work(impulse, u, w, geometry, MASS_FLOOR, balance.density / dt)
+    for impulse in impulses:
+        change = impulse.u, impulse.w
+        given = impulse_work(change, u, w, geometry, MASS_FLOOR, balance.density / dt)
+        if impulse.lateral:
+            lateral -= given
+        else:
+            bulk -= volume * given
     lateral *= volume
     bulk += dx * (bed[1] - bed[0]) + dz * (wall[1] - wall[0]) + gate_shear
     return Work(dt * bulk, dt * dx * bed[0], dt * dz * wall[0], dt * lateral, dt * gate)
@@ -189,30 +191,25 @@ def gate_work(scratch, w, geometry, balance, dz):
     return slip - given, dz * np.sum(scratch.k_gate * relative**2) - slip
 
 
-def loss_of_step(
-    energy_before, energy_after, outflow, state, u_star, w_star, geometry, balance, dx, dz
-):
+def loss_of_step(simulation, energy_after, u_star, w_star, balance):
     """What the discretisation took during one step.
 
     Parameters
     ----------
-    energy_before, energy_after : dict
-        From `quantities.energies`, at both ends of the step.
-    outflow : Outflow
-    state : State
-        Velocity after the solve.
+    simulation : Simulation
+        After the solve; its `energy` is that before the step.
+    energy_after : dict
+        From `quantities.energies`, at the end of the step.
     u_star, w_star : arrays
         Velocity after advection.
-    geometry : Geometry
-        At the end of the step.
     balance : Balance
-    dx, dz : float
-        m.
 
     Returns
     -------
     Loss
     """
+    state, geometry, (dx, dz) = simulation.state, simulation.geometry, simulation.spacing
+    energy_before, outflow = simulation.energy, simulation.outflow
     cell = balance.density * dx * dz
     change_x, carried_x, flow_x = face_sums(geometry.mass_x, state.u, u_star)
     change_z, carried_z, flow_z = face_sums(geometry.mass_z, state.w, w_star)

@@ -30,10 +30,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cell_transport import TRUSTED
+from .cell_transport import TRUSTED, transport_cells
 from .compiled import kernel_jit
 from .rheology import inertial_number
-from .strain import shear_rate_centre
+from .strain import shear_rate_centre, strain_rates
 
 STOP_SHARE = 0.1  # I_stop / I_start
 
@@ -54,10 +54,47 @@ def hysteresis_law(case):
     return FrictionHysteresis(effect.delta_mu, effect.I_start, effect.strain)
 
 
-def start_hysteresis(state, case):
-    """Give the state the settled share, 1, unless it has it or the effect is off."""
-    if case.effects.friction_hysteresis is not None and state.settled_share is None:
+def start(state, case):
+    """The state has the settled share, 1, unless it had it."""
+    if state.settled_share is None:
         state.settled_share = np.ones(state.pressure_filled.shape)
+
+
+def extend(state, case, nx, nz):
+    """Cells beyond the first nx columns and nz rows hold settled contacts."""
+    state.settled_share[nx:] = state.settled_share[:, nz:] = 1.0
+
+
+def carry(state, aperture, phi_old, dt, dx, dz):
+    """The settled share has moved with the grains for dt (s); the surface has moved already."""
+    moved = transport_cells(
+        state.settled_share, state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
+    )
+    state.settled_share[:] = np.clip(moved, 0.0, 1.0)
+
+
+def finish(simulation, dt):
+    """The contacts have settled or broken for dt (s) at the velocity of the solve."""
+    state, work, geometry = simulation.state, simulation.work, simulation.geometry
+    strain_rates(
+        work.e_centre,
+        work.g_node,
+        state.u,
+        state.w,
+        state.bed_slip,
+        geometry,
+        *simulation.spacing,
+    )
+    settle(
+        state.settled_share,
+        work.e_centre,
+        work.g_node,
+        state.pressure_filled,
+        geometry,
+        simulation.response.hysteresis,
+        simulation.material.grain_scale,
+        dt,
+    )
 
 
 @kernel_jit()

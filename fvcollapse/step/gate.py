@@ -33,7 +33,7 @@ class Lift(NamedTuple):
 
 
 def gate_lift(case):
-    """`Lift` of a case whose effects on keys are applied (`with_effects`)."""
+    """`Lift` of a case whose effects on keys are applied (`Case.resolved`)."""
     effect = case.effects.gate
     delay = 0.0 if effect is None else effect.delay
     return Lift(case.gate.speed, case.gate.time_constant, delay, layer_thickness(case))

@@ -15,22 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from .arrays import copy
-from .cell_transport import transport_cells
 from .compiled import inner_jit, kernel_jit
-from .dilatancy import (
-    FULL_SWEEPS,
-    Dilatancy,
-    carry_fraction,
-    dilatancy_law,
-    dilate,
-    initial_fraction,
-    start_dilatancy,
-)
-from .friction_hysteresis import FrictionHysteresis, hysteresis_law, settle, start_hysteresis
+from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate
+from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
-from .nonlocal_fluidity import cooperate, nonlocal_length, start_fluidity
+from .nonlocal_fluidity import cooperate, nonlocal_length
 from .rheology import ETA_FLOOR
-from .strain import mean_square, shear_rate_centre, shear_rate_from, strain_rates
+from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
 class Response(NamedTuple):
@@ -75,33 +66,6 @@ def allocate_response(nx, nz):
 # -- once a step ---------------------------------------------------------------------------------
 
 
-def start_response(state, case):
-    """Give the state the fields of the effects that are on, unless it has them."""
-    start_dilatancy(state, case)
-    start_hysteresis(state, case)
-    start_fluidity(state, case)
-
-
-def extend_response(state, case, nx, nz):
-    """Cells beyond the first nx columns and nz rows hold what the grains held at the start."""
-    for values, value in (
-        (state.solid_fraction, initial_fraction(case)),
-        (state.settled_share, 1.0),
-    ):
-        if values is not None:
-            values[nx:] = value
-            values[:, nz:] = value
-
-
-def carry_response(state, aperture, phi_old, dt, dx, dz):
-    """Move the fields that belong to the grains with them, in place; the surface has moved already."""
-    flow = state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
-    if state.solid_fraction is not None:
-        carry_fraction(state, aperture, phi_old, dt, dx, dz)
-    if state.settled_share is not None:
-        state.settled_share[:] = np.clip(transport_cells(state.settled_share, *flow), 0.0, 1.0)
-
-
 def prepare_response(work, state, response):
     """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
     work.local_friction[:] = 0.0
@@ -111,32 +75,12 @@ def prepare_response(work, state, response):
         work.settled_friction[:] = response.hysteresis.delta_mu * state.settled_share
 
 
-def finish_response(work, state, e_centre, g_node, geometry, material, response, dt, dx, dz):
-    """Take the fields of the state from the solve; the contacts settle or break."""
-    if state.dilation_rate is not None:
-        state.dilation_rate[:] = work.source
-    if state.fluidity is not None:
-        state.fluidity[:] = work.fluidity
-    if state.settled_share is not None:
-        strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
-        settle(
-            state.settled_share,
-            e_centre,
-            g_node,
-            state.pressure_filled,
-            geometry,
-            response.hysteresis,
-            material.grain_scale,
-            dt,
-        )
-
-
 # -- once a sweep --------------------------------------------------------------------------------
 
 
 @inner_jit()
 def relax_late(work, sweep):
-    """All the way in the first sweeps, half of it in the later ones."""
+    """Set the relaxation factor: 1 in the first `FULL_SWEEPS` sweeps, 0.5 afterwards."""
     work.share[0] = 1.0 if sweep < FULL_SWEEPS else 0.5
 
 

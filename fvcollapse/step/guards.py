@@ -49,7 +49,7 @@ class Guards:
     Parameters
     ----------
     case : Case
-        Its effects on keys applied (`with_effects`).
+        Its effects on keys applied (`Case.resolved`).
     start_energy : float
         Kinetic and potential energy at t = 0, J/m.
     """

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from .erodible_bed import join_layer, layer_thickness
+from .grain_volume import volume
 from .grid import Grid, gate_column, spacing
-from .level_set import volume
 from .state import State
 
 HALO = 10  # columns repeated at each end of a periodic stretch: the reach of one step of WENO5 with Runge-Kutta

@@ -28,7 +28,8 @@ import numpy as np
 
 from .arrays import total
 from .compiled import inner_jit, kernel_jit
-from .geometry import WET
+from .geometry import MASS_FLOOR, WET
+from .terms import Impulse
 
 
 def sink_constants(walls, channel_width):
@@ -165,13 +166,16 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
                 w_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
 
 
-def brake_before_solve(
-    u_star, w_star, pressure_filled, work, geometry, balance, least_mass, dx, dz
-):
-    """Change of velocity (u, w) by the friction impulse of the split form; the solve then has no sink of its own."""
+def before_solve(simulation, u_star, w_star, balance):
+    """Return the friction impulse of the split form; the solve then has no sink of its own. None where it has."""
+    walls = simulation.case.effects.lateral_friction
+    if balance.wall_strength == 0.0 or walls.scheme != "split":
+        return None, balance
+    work, geometry, (dx, dz) = simulation.work, simulation.geometry, simulation.spacing
+    pressure_filled = simulation.state.pressure_filled
     free = np.empty_like(u_star), np.empty_like(w_star)
     braked = np.empty_like(u_star), np.empty_like(w_star)
-    predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, least_mass, dx, dz)
+    predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, MASS_FLOOR, dx, dz)
     face_pressures(
         work.pressure_x,
         work.pressure_z,
@@ -188,7 +192,8 @@ def brake_before_solve(
         work.pressure_z,
         geometry,
         balance.dt * balance.wall_strength / balance.density,
-        least_mass,
+        MASS_FLOOR,
     )
     work.sink_x[:] = work.sink_z[:] = 0.0
-    return braked[0] - free[0], braked[1] - free[1]
+    impulse = Impulse(braked[0] - free[0], braked[1] - free[1], lateral=True)
+    return impulse, balance._replace(wall_strength=0.0)

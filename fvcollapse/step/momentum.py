@@ -4,9 +4,8 @@ Every face owns the control volume between the centres of its two cells. The mas
 sides of a control volume during the step follows from the wetted part of each side, the mean of the
 old and the new surface; it carries the velocity reconstructed upwind (third-order WENO). The
 velocity after the step is momentum over mass, both transported by the same fluxes: a uniform
-velocity stays uniform to round-off, and what leaves one control volume enters the next. (The
-advective form u . grad u lost 2.9 % of the momentum of a 22 deg collapse at 6 mm in its first 0.35
-s, and the front ended 7 % short.)
+velocity stays uniform to round-off, and what leaves one control volume enters the next. (The advective form
+lost 2.9 % of the momentum of a 22 deg collapse at 6 mm in its first 0.35 s; its front ended 7 % short.)
 
 References
 ----------

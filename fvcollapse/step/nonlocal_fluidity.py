@@ -44,10 +44,15 @@ def nonlocal_length(case):
     return 0.0 if effect is None else effect.A * case.rheology.grain_diameter
 
 
-def start_fluidity(state, case):
-    """Give the state the fluidity, 0 at rest, unless it has it or the effect is off."""
-    if getattr(case.effects, "nonlocal") is not None and state.fluidity is None:
+def start(state, case):
+    """The state has the fluidity, 0 at rest, unless it had it."""
+    if state.fluidity is None:
         state.fluidity = np.zeros(state.pressure_filled.shape)
+
+
+def finish(simulation, dt):
+    """The fluidity is that of the solve."""
+    simulation.state.fluidity[:] = simulation.work.response.fluidity
 
 
 @inner_jit()

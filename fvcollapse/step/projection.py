@@ -24,17 +24,13 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from .assembly import add_diagonal
 from .banded import allocate_system
-from .coupled import (
-    MASS_FLOOR,
-    Outcome,
-    add_diagonal,
-    coefficients,
-    momentum_residual,
-    take_solution,
-)
-from .geometry import WET, repeat_columns
+from .coefficients import coefficients
+from .coupled import Outcome, take_solution
+from .geometry import MASS_FLOOR, WET, repeat_columns
 from .lanes import LANES
+from .residual import momentum_residual
 from .rheology import with_shear_rate_min
 from .viscous import add_cells, add_nodes
 

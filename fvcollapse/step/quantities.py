@@ -83,24 +83,8 @@ def cell_quantities(state, geometry, material, response, dx, dz):
     strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
     pressure, shear_rate, viscosity, inertial = (np.zeros(shape) for _ in range(4))
     ill_posed = np.zeros(shape, np.bool_)
-    extra_friction = np.zeros(shape)
-    if response.active:
-        work = allocate_response(*shape)
-        prepare_response(work, state, response)
-        respond(
-            work,
-            e_centre,
-            g_node,
-            state.pressure_filled,
-            geometry,
-            material,
-            response,
-            1.0,
-            state.dt or 1.0,  # at rest nothing dilates
-            dx,
-            dz,
-        )
-        extra_friction = work.extra_friction
+    rates, spacing = (e_centre, g_node), (dx, dz)
+    extra_friction = extra_friction_of(state, rates, geometry, material, response, spacing)
     fill_quantities(
         pressure,
         shear_rate,
@@ -123,6 +107,25 @@ def cell_quantities(state, geometry, material, response, dx, dz):
         "inertial_number": inertial,
         "ill_posed": ill_posed,
     }
+
+
+def extra_friction_of(state, rates, geometry, material, response, spacing):
+    """What the effects add to the friction coefficient of the cells, (nx, nz); `rates` are those of cells and nodes."""
+    work = allocate_response(*state.pressure_filled.shape)
+    if response.active:
+        prepare_response(work, state, response)
+        respond(
+            work,
+            *rates,
+            state.pressure_filled,
+            geometry,
+            material,
+            response,
+            1.0,
+            state.dt or 1.0,  # at rest nothing dilates
+            *spacing,
+        )
+    return work.extra_friction
 
 
 def energies(state, geometry, density, gravity, dx, dz):

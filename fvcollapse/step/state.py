@@ -1,8 +1,10 @@
 """What is known at one instant, and the tables from which output, checkpoint and growth of the domain follow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
 
 import numpy as np
+
+from fvcollapse.effects.catalogue import CATALOGUE
 
 # name: (location, units, description, in_checkpoint)
 FIELDS = {
@@ -14,15 +16,9 @@ FIELDS = {
 }
 # name: (effect that carries it, location, units, description); absent from a state without that effect
 EFFECT_FIELDS = {
-    "solid_fraction": ("dilatancy", "centre", "1", "volume of the grains over volume of the cell"),
-    "dilation_rate": ("dilatancy", "centre", "1/s", "imposed rate of volume change, div u"),
-    "settled_share": (
-        "friction_hysteresis",
-        "centre",
-        "1",
-        "share of the contacts that have settled: 1 at rest, 0 in flow",
-    ),
-    "fluidity": ("nonlocal", "centre", "1/s", "granular fluidity, shear rate over tau/p"),
+    name: (effect.name, *field)
+    for effect in CATALOGUE.values()
+    for name, field in effect.fields.items()
 }
 SCALARS = {
     "time": ("s", "time since the gate starts to rise"),
@@ -49,7 +45,7 @@ SCALARS = {
 
 
 @dataclass
-class State:
+class _State:
     """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`)."""
 
     level_set: np.ndarray
@@ -74,10 +70,6 @@ class State:
     energy_outflow: float = 0.0
     travel: float = 0.0
     travel_steps: int = 0
-    solid_fraction: np.ndarray | None = None
-    dilation_rate: np.ndarray | None = None
-    settled_share: np.ndarray | None = None
-    fluidity: np.ndarray | None = None
 
     def effect_fields(self):
         """Names of the fields that the effects carry in this state."""
@@ -87,6 +79,14 @@ class State:
         """Independent copy of the state."""
         names = [*FIELDS, *self.effect_fields()]
         return State(**vars(self) | {name: getattr(self, name).copy() for name in names})
+
+
+State = make_dataclass(
+    "State",
+    [(name, np.ndarray | None, None) for name in EFFECT_FIELDS],
+    bases=(_State,),
+    namespace={"__doc__": _State.__doc__, "__module__": __name__},
+)
 
 
 def location_shape(location, nx, nz):

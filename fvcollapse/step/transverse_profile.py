@@ -17,23 +17,7 @@ Linearised, disturbances travel at up to (beta + sqrt(beta^2 - beta)) U; the exp
 itself moves momentum at beta U, which limits its time step (`limit_advection`).
 """
 
-
-def curvature(velocity_ratio):
-    """C of the parabola: 0 = plug, 1 = the grains stick to the walls."""
-    return 1.0 - 1.0 / velocity_ratio
-
-
-def middle_factor(velocity_ratio):
-    """Velocity in the middle of the channel over its mean across the width."""
-    return 1.0 / (1.0 - curvature(velocity_ratio) / 3.0)
-
-
-def view_factor(velocity_ratio, view):
-    """Velocity at the "wall", in the "centre" or its "average", over the mean across the width."""
-    if view == "average":
-        return 1.0
-    middle = middle_factor(velocity_ratio)
-    return middle if view == "centre" else middle / velocity_ratio
+from fvcollapse.effects.transverse_profile import curvature, middle_factor
 
 
 def shape_factor(velocity_ratio):

@@ -11,11 +11,13 @@ import numpy as np
 
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
+from fvcollapse.step.advance import STAGES
+from fvcollapse.step.domain import repeat
 from fvcollapse.step.extrapolation import TRUSTED_U
-from fvcollapse.step.geometry import number_unknowns
 from fvcollapse.step.initial import HALO
 from fvcollapse.step.state import State
-from fvcollapse.verification.flows import TIGHT
+from fvcollapse.step.unknowns import number_unknowns
+from fvcollapse.verification.flows import TIGHT, with_step
 
 GHOSTS = 2  # layers beyond a wall: the reach of the stencil of the momentum advection
 
@@ -75,7 +77,7 @@ class Box(Simulation):
     def __init__(
         self, case, dt, velocity, pressure, force=None, no_slip=False, bed_speed=0.0, surface=None
     ):
-        self.chosen_dt, self.no_slip, self.bed_speed = dt, no_slip, bed_speed
+        self.no_slip, self.bed_speed = no_slip, bed_speed
         h, geometry = case.grid.cell_size, case.geometry
         self.cells_z, columns = round(geometry.height_0 / h), round(geometry.length_0 / h)
         periodic = case.boundary.ends == "periodic"
@@ -87,85 +89,15 @@ class Box(Simulation):
         self.force = force
         self.surface = surface
         state = State(
-            self._level_set(h, nx, nz),
+            level_set_of(surface, h, nx, nz),
             velocity(self.x_u, self.z_u)[0] + 0.0 * self.x_u,
             velocity(self.x_w, self.z_w)[1] + 0.0 * self.x_w,
             pressure(self.x_p, self.z_p) + 0.0 * self.x_p,
             np.zeros(nx + 1),
         )
         state.volume_0, state.dt = nx * nz * h * h, dt
-        super().__init__(case, state)
-        self._continue_velocity()
-
-    def _level_set(self, h, nx, nz):
-        if self.surface is None:
-            return np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
-        return self.surface(*points(h, nx + 1, nz + 1, 0.0, 0.0))
-
-    def _time_step(self, time_limit):
-        return self.chosen_dt
-
-    def _make_room(self):
-        """Walls all around: the grid stays."""
-
-    def _move_surface(self, dt):
-        return super()._move_surface(dt) if self.surface is None else 0.0
-
-    def _place(self, time, closed=False):
-        super()._place(time, closed)
-        geometry, right, top = self.geometry, self.right, self.cells_z
-        geometry.index_u[:] = -1
-        geometry.index_w[:] = -1
-        geometry.interior[:] = False
-        inside = geometry._replace(
-            index_u=geometry.index_u[: right + 1, :top],
-            index_w=geometry.index_w[:right, : top + 1],
-            interior=geometry.interior[: right + 1, : top + 1],
-            filled=geometry.filled[:right, :top],
-            aperture=geometry.aperture[: right + 1, :top],
-            reach=np.minimum(geometry.reach[: right + 1], top),
-            last=geometry.last if self.halo else right,
-        )
-        self.ends = number_unknowns(inside, open_end=False)
-
-    def _solve(self, u_star, w_star, impulse, balance):
-        if self.force is not None:
-            end = self.state.time + balance.dt
-            u_star += balance.dt * self.force(self.x_u, self.z_u, end)[0]
-            w_star += balance.dt * self.force(self.x_w, self.z_w, end)[1]
-        self._add_walls(u_star, w_star, balance.dt)
-        return super()._solve(u_star, w_star, impulse, balance)
-
-    def _add_walls(self, u_star, w_star, dt):
-        """Friction of the walls that the solver does not know; dt < h^2/(2 nu) keeps it stable.
-
-        The bed's own friction is implicit, but as if the bed stood still.
-        """
-        law = self.case.rheology
-        rate = 2.0 * law.viscosity / law.density_bulk * dt / self.spacing[1] ** 2
-        if math.isinf(self.case.boundary.mu_bed):
-            u_star[:, 0] += rate * self.bed_speed
-        if self.no_slip:
-            u_star[:, self.cells_z - 1] -= rate * self.state.u[:, self.cells_z - 1]
-            if not self.halo:
-                w_star[self.right - 1] -= rate * self.state.w[self.right - 1]
-
-    def _continue_velocity(self):
-        if self.surface is not None:
-            super()._continue_velocity()
-        state, right, top = self.state, self.right, self.cells_z
-        tangential = -1.0 if self.no_slip else 1.0
-        mirror(state.w.T, top, -1.0, on_face=True)
-        mirror(state.u.T, top, tangential, on_face=False)
-        mirror(state.pressure_filled.T, top, 1.0, on_face=False)
-        if self.halo:
-            self._repeat(state.u, state.w)
-        else:
-            mirror(state.u, right, -1.0, on_face=True)
-            mirror(state.w, right, tangential, on_face=False)
-            mirror(state.pressure_filled, right, 1.0, on_face=False)
-        if self.bed_speed:
-            state.bed_slip[:] = self.bed_speed
+        super().__init__(case, state, with_step(STAGES_OF_BOX, dt))
+        continue_in_box(self)
 
     def inside(self):
         """Where u, w and pressure are those of the fluid: masks without walls and mirrors.
@@ -181,6 +113,98 @@ class Box(Simulation):
         for mask in (of_u, of_w, of_p) if self.halo else ():
             mask[:HALO], mask[HALO + 1 :] = False, False
         return of_u, of_w, of_p
+
+
+# -- the stages of a step that differ from those of a collapse ------------------------------------
+
+
+def stay(box):
+    """Walls all around: the grid stays."""
+
+
+def hold_surface(box, dt):
+    """A surface inside the box is where it was; return the volume that was added, m2."""
+    return STAGES.move_surface(box, dt) if box.surface is None else 0.0
+
+
+def place_in_box(box, time, closed=False):
+    """The geometry is that of the fluid inside the walls, and the cells beyond are no unknowns."""
+    STAGES.place(box, time, closed)
+    geometry, right, top = box.geometry, box.right, box.cells_z
+    geometry.index_u[:] = -1
+    geometry.index_w[:] = -1
+    geometry.interior[:] = False
+    inside = geometry._replace(
+        index_u=geometry.index_u[: right + 1, :top],
+        index_w=geometry.index_w[:right, : top + 1],
+        interior=geometry.interior[: right + 1, : top + 1],
+        filled=geometry.filled[:right, :top],
+        aperture=geometry.aperture[: right + 1, :top],
+        reach=np.minimum(geometry.reach[: right + 1], top),
+        last=geometry.last if box.halo else right,
+    )
+    box.ends = number_unknowns(inside, open_end=False)
+
+
+def carry_and_push(box, old_level_set, packing, dt):
+    """Return the velocity after advection, the force on the fluid and the friction of the further walls, m/s."""
+    u_star, w_star = STAGES.carry_momentum(box, old_level_set, packing, dt)
+    if box.force is not None:
+        end = box.state.time + dt
+        u_star += dt * box.force(box.x_u, box.z_u, end)[0]
+        w_star += dt * box.force(box.x_w, box.z_w, end)[1]
+    add_walls(box, u_star, w_star, dt)
+    return u_star, w_star
+
+
+def add_walls(box, u_star, w_star, dt):
+    """Friction of the walls that the solver does not know; dt < h^2/(2 nu) keeps it stable.
+
+    The bed's own friction is implicit, but as if the bed stood still.
+    """
+    law = box.case.rheology
+    rate = 2.0 * law.viscosity / law.density_bulk * dt / box.spacing[1] ** 2
+    if math.isinf(box.case.boundary.mu_bed):
+        u_star[:, 0] += rate * box.bed_speed
+    if box.no_slip:
+        u_star[:, box.cells_z - 1] -= rate * box.state.u[:, box.cells_z - 1]
+        if not box.halo:
+            w_star[box.right - 1] -= rate * box.state.w[box.right - 1]
+
+
+def continue_in_box(box):
+    """The layers beyond the walls mirror the flow."""
+    if box.surface is not None:
+        STAGES.continue_velocity(box)
+    state, right, top = box.state, box.right, box.cells_z
+    tangential = -1.0 if box.no_slip else 1.0
+    mirror(state.w.T, top, -1.0, on_face=True)
+    mirror(state.u.T, top, tangential, on_face=False)
+    mirror(state.pressure_filled.T, top, 1.0, on_face=False)
+    if box.halo:
+        repeat(box, state.u, state.w)
+    else:
+        mirror(state.u, right, -1.0, on_face=True)
+        mirror(state.w, right, tangential, on_face=False)
+        mirror(state.pressure_filled, right, 1.0, on_face=False)
+    if box.bed_speed:
+        state.bed_slip[:] = box.bed_speed
+
+
+STAGES_OF_BOX = STAGES._replace(
+    fit_grid=stay,
+    move_surface=hold_surface,
+    place=place_in_box,
+    carry_momentum=carry_and_push,
+    continue_velocity=continue_in_box,
+)
+
+
+def level_set_of(surface, h, nx, nz):
+    """Level set (nx + 1, nz + 1) of a surface (x, z) -> m, or of a full box, m."""
+    if surface is None:
+        return np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
+    return surface(*points(h, nx + 1, nz + 1, 0.0, 0.0))
 
 
 def points(h, nx, nz, offset_x, offset_z):

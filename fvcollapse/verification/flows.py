@@ -14,7 +14,8 @@ from fvcollapse.case.case import Case
 from fvcollapse.console.interruption import Interrupted
 from fvcollapse.errors import NumericalError
 from fvcollapse.simulation import Simulation
-from fvcollapse.step import level_set
+from fvcollapse.step import level_set, redistancing
+from fvcollapse.step.advance import STAGES
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.initial import HALO, initial_grid, initial_state
 from fvcollapse.verification.exact import pressure_hydrostatic
@@ -24,15 +25,16 @@ INTERRUPTED = ContextVar("interrupted", default=lambda: 0)  # a signal that wait
 TIGHT = {"numerics.tolerance": 1e-8, "numerics.max_sweeps": 300}
 
 
+def with_step(stages, dt):
+    """The stages of a simulation whose time step is dt (s), whatever the limits."""
+    return stages._replace(choose_step=lambda simulation, time_limit: dt)
+
+
 class UniformFlow(Simulation):
     """A uniform flow, with a time step of one's own choice (s)."""
 
     def __init__(self, case, state, dt):
-        self.chosen_dt = dt
-        super().__init__(case, state)
-
-    def _time_step(self, time_limit):
-        return self.chosen_dt
+        super().__init__(case, state, with_step(STAGES, dt))
 
     def profile(self):
         """U (m/s) at the heights (m) of the wet cell centres, as (z, u)."""
@@ -172,8 +174,8 @@ def transport(surface, velocity, duration, cells, courant=0.5):
         heed_interrupt()
         travel += np.hypot(u, w).max() * dt / h
         since += 1
-        if level_set.needs_restoring(travel, since):
-            level_set.reinitialise(phi, level_set.SWEEPS, h, h)
+        if redistancing.needs_restoring(travel, since):
+            redistancing.reinitialise(phi, redistancing.SWEEPS, h, h)
             travel, since = 0.0, 0
     return phi
 

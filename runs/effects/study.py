@@ -19,7 +19,7 @@ import numpy as np
 
 from fvcollapse import observe
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import CATALOGUE, with_effects
+from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.measure.observation import flow_case
 from runs.effects.dilatancy import dilatancy
 from runs.study import Study, finished_run, run_in_folders
@@ -103,7 +103,7 @@ def shared_runs(wanted):
     found = {}
     for member in wanted:
         case = flow_case(member.case)
-        found.setdefault(with_effects(case), (member.name, case))
+        found.setdefault(case.resolved, (member.name, case))
     return found
 
 
@@ -114,7 +114,7 @@ def write_tables(wanted, runs, data, folder):
     """Write both tables; return a line for each run that is missing."""
     missing, numbers, curves, base_cost = [], [], [], {}
     for member in wanted:
-        place = data / runs[with_effects(flow_case(member.case))][0]
+        place = data / runs[flow_case(member.case).resolved][0]
         result, problem = finished_run(place)
         if result is None:
             missing.append(problem)

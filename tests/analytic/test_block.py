@@ -5,7 +5,7 @@ import pytest
 
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
-from fvcollapse.step.coupled import MASS_FLOOR
+from fvcollapse.step.geometry import MASS_FLOOR
 from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_coefficients
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until

@@ -12,10 +12,10 @@ from fvcollapse.step.geometry import (
     fill_cells,
     fill_faces,
     fill_reach,
-    number_unknowns,
 )
 from fvcollapse.step.lateral_friction import apply_split, face_pressures, sink_coefficients
 from fvcollapse.step.rheology import material
+from fvcollapse.step.unknowns import number_unknowns
 
 SPEED, HEIGHT, WIDTH, MU_WALL = 0.3, 0.1, 0.05, 0.18
 # Cohesion and viscosity make the layer rigid; the bed is smooth and the ends are periodic: only the

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fvcollapse.step import level_set
+from fvcollapse.step import level_set, redistancing
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import surface_errors, transport
 from fvcollapse.verification.problems.surface import UPPER_DISC, disc_at, uniform
@@ -32,7 +32,7 @@ def test_restoring_the_distance_does_not_move_the_surface():
     x, z = nodes(64)
     phi = ((x - 0.5) ** 2 + (z - 0.5) ** 2 - 0.2**2) * (1 + x)
     before = phi.copy()
-    level_set.reinitialise(phi, 24, 1 / 64, 1 / 64)
+    redistancing.reinitialise(phi, 24, 1 / 64, 1 / 64)
     area, difference = surface_errors(phi, before)
     assert abs(area) < 2e-3  # of the linear interpolation between the nodes, before and after
     assert difference < 2e-3
@@ -48,7 +48,7 @@ def test_restoring_reaches_what_lay_deep_inside(shift):
     z = np.tile(np.arange(41) * h, (12, 1))
     clamp = (level_set.BAND + 2.0) * h
     phi = np.where(z > 18.5 * h, np.minimum(z - 20 * h, clamp), -clamp) + shift * h
-    level_set.reinitialise(phi, level_set.SWEEPS, h, h)
+    redistancing.reinitialise(phi, redistancing.SWEEPS, h, h)
     near = np.abs(z - 20 * h) < 3 * h
     np.testing.assert_allclose(phi[near], (z - 20 * h + shift * h)[near], atol=1e-3 * h)
 

@@ -17,9 +17,10 @@ from fvcollapse.diagnosis.nuisances import Nuisance, draw, ensemble_runs, nuisan
 from fvcollapse.diagnosis.point_choice import choose_points
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.reading import Reading
-from fvcollapse.diagnosis.runner import flow_case
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE, OBSERVATION
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.measure.observation import flow_case
 
 
 @pytest.fixture(scope="module")

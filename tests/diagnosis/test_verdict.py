@@ -21,7 +21,8 @@ from fvcollapse.diagnosis.verdict_model import (
     solver_of,
     to_json,
 )
-from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL, Effect, Prior
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import PHYSICAL, Effect, Prior
 from fvcollapse.errors import InputError
 
 EFFECTS = ("arms", "bars", "cups", "dots")
@@ -285,7 +286,7 @@ def test_a_model_that_knows_none_of_the_effects_judges_none(model):
 def test_a_new_effect_of_the_catalogue_leaves_the_shipped_model_valid(monkeypatch):
     shipped = VerdictModel.load()
     before = shipped.is_of_this_solver, solver_of(shipped.effects)
-    drag = Effect(PHYSICAL, {"c": Prior("uniform", 0.0, 1.0, "C", "a guess")})
+    drag = Effect("drag", PHYSICAL, None, {"c": Prior("uniform", 0.0, 1.0, "C", "a guess")})
     monkeypatch.setitem(CATALOGUE, "drag", drag)
     assert (shipped.is_of_this_solver, solver_of(shipped.effects)) == before
     assert solver_of((*shipped.effects, "drag")) != before[1]

@@ -1,47 +1,40 @@
 """The catalogue and the case file name the same effects; an effect of zero strength is no effect."""
 
 from functools import lru_cache
+from pathlib import Path
 from typing import get_type_hints
 
 import pytest
 from effect_runs import collapse, same_to_the_last_bit
 
 from fvcollapse.case.case import Case, Effects, describe_keys
-from fvcollapse.effects.catalogue import (
-    CATALOGUE,
-    NUISANCE,
-    OBSERVATION,
-    PHYSICAL,
-    with_effects,
-)
+from fvcollapse.effects import catalogue
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE, OBSERVATION, PHYSICAL
 
 KEYS = {info.name for info in describe_keys()}
 # the settings with which each effect does nothing
-ZERO = {
-    "lateral_friction": [{"mu_wall": 0.0}],
-    "gate": [{}, {"speed": 2.3, "time_constant": 0.0}],
-    "viscosity": [{}, {"factor": 1.0}],
-    "bed_friction": [{}, {"mu_bed": 0.48}],
-    "cohesion": [{}],
-    "dilatancy": [{}],
-    "friction_hysteresis": [{}],
-    "nonlocal": [{}],
-    "erodible_bed": [{}],
-    "transverse_profile": [{}, {"view": "wall"}],
-    "front_saltation": [{}],
-    "tilt": [{}],
-    "column_size": [{}],
-    "time_origin": [{}],
-}
-ZERO_CASES = [(name, keys) for name, settings in ZERO.items() for keys in settings]
+ZERO_CASES = [(name, keys) for name, effect in CATALOGUE.items() for keys in effect.zero]
 
 
 def test_catalogue_and_case_name_the_same_effects():
     assert set(CATALOGUE) == set(get_type_hints(Effects))
 
 
-def test_every_effect_has_a_test_of_zero_strength():
-    assert set(ZERO) == set(CATALOGUE)
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_an_effect_describes_its_own_keys(name):
+    effect = CATALOGUE[name]
+    assert effect.name == name
+    assert effect.zero
+    assert set(effect.seen_keys) <= set(effect.section.__struct_fields__)
+    assert bool(effect.seen_keys) == (effect.see is not None)
+    assert effect.only_seen or effect.kind != OBSERVATION
+
+
+def test_the_catalogue_names_every_file():
+    folder = Path(catalogue.__file__).parent
+    files = {path.stem for path in folder.glob("[a-z]*.py")}
+    assert files - {"catalogue", "conditions", "effect", "table"} == set(CATALOGUE)
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
@@ -88,10 +81,10 @@ def test_zero_strength_is_the_baseline_to_the_last_bit(name, keys, law):
 
 def test_no_effect_leaves_the_case_itself():
     case = Case().replace(**{"effects.lateral_friction": {}})
-    assert with_effects(case) is case
+    assert case.resolved is case
 
 
 @pytest.mark.parametrize(("name", "keys"), ZERO_CASES)
 def test_a_change_of_keys_is_applied_once(name, keys):
-    case = with_effects(Case().replace(**{f"effects.{name}": keys}))
-    assert with_effects(case) == case
+    case = Case().replace(**{f"effects.{name}": keys}).resolved
+    assert case.resolved == case

@@ -9,7 +9,7 @@ import pytest
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set
-from fvcollapse.step.dilatancy import Dilatancy, carry_fraction, expansion, limit_dilatancy
+from fvcollapse.step.dilatancy import Dilatancy, carry, expansion, limit
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.state import FIELDS
 from fvcollapse.verification import exact
@@ -111,8 +111,8 @@ def test_without_pressure_nu_falls_to_its_value_at_inertial_number_one():
 
 
 def test_limit_of_the_time_step_is_a_tenth_of_the_volume():
-    assert limit_dilatancy(np.array([[0.5, -20.0]])) == pytest.approx(0.005)
-    assert limit_dilatancy(np.zeros((2, 2))) == math.inf
+    assert limit(SimpleNamespace(dilation_rate=np.array([[0.5, -20.0]]))) == pytest.approx(0.005)
+    assert limit(SimpleNamespace(dilation_rate=np.zeros((2, 2)))) == math.inf
 
 
 @pytest.mark.parametrize("rate", [0.5, -0.5])
@@ -136,7 +136,7 @@ def test_a_disc_that_expands_everywhere_alike_keeps_its_mass(rate):
         level_set.advect(
             state.level_set, 0.5 * rate * x, 0.5 * rate * z, dt, 1.0 / cells, 1.0 / cells
         )
-        carry_fraction(state, np.ones_like(u), old, dt, 1.0 / cells, 1.0 / cells)
+        carry(state, np.ones_like(u), old, dt, 1.0 / cells, 1.0 / cells)
     filled = cell_fractions(state.level_set)
     growth = math.exp(rate * steps * dt)
     assert filled.sum() / area == pytest.approx(growth, rel=1e-3)

@@ -5,7 +5,6 @@ import math
 import pytest
 from effect_runs import centre_of_mass, collapse, same_to_the_last_bit
 
-from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.step.rheology import material
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until
@@ -53,7 +52,7 @@ def test_walls_bear_the_given_part_of_the_pressure(ratio, scheme):
 
 def test_older_closure_bears_it_too():
     walls = {"closure": "friction_increase", "pressure_ratio": 0.5}
-    raised = material(with_effects(block(6, **walls))).mu_1
+    raised = material(block(6, **walls).resolved).mu_1
     assert raised == pytest.approx(0.9 + 0.5 * MU_WALL * 0.05 / WIDTH, rel=1e-12)
 
 

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 
 from fvcollapse import observe, run
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import with_effects
+from fvcollapse.effects.front_saltation import correlated_scatter
 from fvcollapse.errors import CaseError
 from fvcollapse.measure.observables import front_velocity, peak_front_velocity
-from fvcollapse.measure.observation import correlated_scatter, flow_case, seen_front
+from fvcollapse.measure.observation import flow_case, seen_front
 from fvcollapse.step.grid import gate_column, spacing
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
@@ -187,7 +187,7 @@ def test_height_of_the_column_is_another_height_to_the_last_bit():
 
 @pytest.mark.parametrize("error", [-0.011, 0.004, 0.019])
 def test_another_length_keeps_the_number_of_cells(error):
-    case = with_effects(case_with("column_size", length=error))
+    case = case_with("column_size", length=error).resolved
     assert gate_column(case) == gate_column(Case())
     dx, dz = spacing(case)
     assert dx * gate_column(case) == pytest.approx(0.20 + error, rel=1e-12)

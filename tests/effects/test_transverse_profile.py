@@ -9,9 +9,10 @@ from scipy.integrate import quad
 
 from fvcollapse import observe, run
 from fvcollapse.case.case import Case
+from fvcollapse.effects.transverse_profile import middle_factor, view_factor
 from fvcollapse.measure.observation import seen_place
 from fvcollapse.step.momentum import advect_momentum
-from fvcollapse.step.transverse_profile import middle_factor, shape_factor, view_factor
+from fvcollapse.step.transverse_profile import shape_factor
 from fvcollapse.verification import exact
 from fvcollapse.verification.boxes import Box, box_case
 from fvcollapse.verification.flows import run_until

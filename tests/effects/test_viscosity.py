@@ -7,7 +7,6 @@ import pytest
 from effect_runs import centre_of_mass, collapse
 
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import with_effects
 from fvcollapse.errors import CaseError
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until_steady
@@ -43,14 +42,14 @@ def test_bagnold_flow_of_the_scaled_viscosity(factor):
 def test_constant_viscosity_is_the_law_of_equation_8():
     case = Case().replace(**{"effects.viscosity": {"eta_constant": 0.4}})
     paper = {"rheology.law": "drucker_prager", "rheology.viscosity": 0.4}
-    assert with_effects(case) == Case().replace(**paper)
+    assert case.resolved == Case().replace(**paper)
 
 
 @pytest.mark.parametrize("law", ["drucker_prager", "bingham", "newtonian"])
 def test_constant_viscosity_laws_are_scaled(law):
     case = Case().replace(**{"rheology.law": law, "effects.viscosity": {"factor": 3.0}})
     changed = Case().replace(**{"rheology.law": law}).rheology.viscosity * 3.0
-    assert with_effects(case).rheology.viscosity == changed
+    assert case.resolved.rheology.viscosity == changed
 
 
 @pytest.mark.parametrize("name", ["factor", "eta_constant"])

@@ -14,7 +14,7 @@ from report_example import example
 
 from fvcollapse import open_result
 from fvcollapse.case.case import Case
-from fvcollapse.diagnosis.report import to_json
+from fvcollapse.diagnosis.report.report_file import to_json
 from fvcollapse.output import run as output
 from fvcollapse.output.extract import extract_image
 

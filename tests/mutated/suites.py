@@ -16,7 +16,8 @@ from fvcollapse.blind.suite import SIMPLE, answer, read_evidence, simple_answer
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report.sentences import answer as sentences
-from fvcollapse.diagnosis.verdict import VerdictModel, verdict
+from fvcollapse.diagnosis.verdict import verdict
+from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
 from fvcollapse.measure.digitised import (
     LENGTHS,
@@ -278,7 +279,7 @@ def read_evidence_file(path):
 
 @mutated_text(text.JSON)
 def write_model(seed):
-    from fvcollapse.diagnosis.verdict import SHIPPED
+    from fvcollapse.diagnosis.verdict_model import SHIPPED
 
     return [("verdict.json", SHIPPED.read_bytes())]
 

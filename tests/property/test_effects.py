@@ -7,22 +7,15 @@ import pytest
 from effect_runs import collapse
 
 from fvcollapse.case.case import Case
-from fvcollapse.effects.catalogue import CATALOGUE, PHYSICAL
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import PHYSICAL
 from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.simulation import Simulation
 
 FLOWING = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]
-TOGETHER = (  # those of one volume
-    "lateral_friction",
-    "gate",
-    "viscosity",
-    "bed_friction",
-    "cohesion",
-    "erodible_bed",
-    "transverse_profile",
-    "friction_hysteresis",
-    "nonlocal",
-)
+TOGETHER = [  # those of one volume
+    name for name in FLOWING if "dilation_rate" not in CATALOGUE[name].fields
+]
 
 
 @pytest.mark.parametrize("name", FLOWING)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fvcollapse import simulation
 from fvcollapse.case.case import Case
 from fvcollapse.measure.observables import thickness
 from fvcollapse.simulation import Simulation
+from fvcollapse.step import domain
 
 END = 1.0  # s; the pile is then a third as high as the column
 
@@ -30,7 +30,7 @@ def collapse():
 @pytest.fixture(scope="module")
 def whole():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulation, "SPARE", 10**6)
+        patch.setattr(domain, "SPARE", 10**6)
         return collapse()
 
 
@@ -48,7 +48,7 @@ def test_grains_that_rise_again_get_new_rows():
     phi = grown.state.level_set
     phi[:, 8:] = phi[:, :-8].copy()  # the pile, eight rows higher
     phi[:, :8] = phi[:, 8:9]
-    grown._place(grown.state.time)
-    grown._fit_grid()
+    domain.place(grown, grown.state.time)
+    domain.fit_grid(grown)
     assert grown.grid.nz > rows
     assert np.all(grown.state.level_set[:, -1] > 0.0)

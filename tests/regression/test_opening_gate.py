@@ -4,11 +4,12 @@ import pytest
 
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
+from fvcollapse.step.advance import STAGES, change_of
 from fvcollapse.step.coupled import Outcome
 
 
 @pytest.mark.parametrize("limit", [0.1, 1.0])  # s; divides the time into slightly different steps
-def test_steps_are_not_cut_while_the_slot_is_narrow(limit, monkeypatch):
+def test_steps_are_not_cut_while_the_slot_is_narrow(limit):
     """On 3 mm cells they fell to 2 microseconds: half of the whole run went into its first 3 ms."""
     case = Case().replace(
         **{
@@ -17,9 +18,9 @@ def test_steps_are_not_cut_while_the_slot_is_narrow(limit, monkeypatch):
             "effects.lateral_friction": {},
         }
     )
-    tries, once = [], Simulation._try_step
-    monkeypatch.setattr(Simulation, "_try_step", lambda *a: tries.append(a) or once(*a))
-    simulation = Simulation(case)
+    tries = []
+    counted = STAGES._replace(solve=lambda *a: tries.append(a) or STAGES.solve(*a))
+    simulation = Simulation(case, stages=counted)
     records = [simulation.advance(limit) for _ in range(14)]
     assert len(tries) == len(records)
     assert any(record.capped for record in records)  # they do stall
@@ -29,11 +30,11 @@ def test_steps_are_not_cut_while_the_slot_is_narrow(limit, monkeypatch):
 
 def test_a_change_is_judged_by_the_speed_of_the_solution():
     """Of slow grains a tenth of 0.12 m/s may change, of fast ones a tenth of their own speed."""
-    simulation = Simulation(Case().replace(**{"grid.cell_size": 0.028}))
+    case = Case()
 
     def judged(change, speed):
         relative = change / max(speed, 0.0117)
-        return simulation._last_change(Outcome(30, relative, speed, 0.0, 0.0, 0, False))
+        return change_of(Outcome(30, relative, speed, 0.0, 0.0, 0, False), case)
 
     assert judged(0.01, 0.02) == pytest.approx(0.01 / 0.117, rel=2e-3)
     assert judged(0.5, 2.0) == pytest.approx(0.25)

@@ -12,7 +12,8 @@ from fvcollapse.diagnosis.report.words import (
     span,
     with_unit,
 )
-from fvcollapse.effects.catalogue import CATALOGUE, NUISANCE
+from fvcollapse.effects.catalogue import CATALOGUE
+from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import observable_words, shown_gap
 
 LARGEST_REGIONS = 2  # named in the answer

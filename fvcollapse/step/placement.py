@@ -3,11 +3,12 @@
 from .arrays import copy, scale
 from .compiled import kernel_jit
 from .gate import fill_gate
-from .geometry import fill_cells, fill_faces, fill_reach, fill_walls, number_unknowns
+from .geometry import fill_cells, fill_faces, fill_reach, fill_walls
+from .unknowns import number_unknowns
 
 
 @kernel_jit()
-def place(geometry, level_set, packing, gate_column, open_end):
+def fill_geometry(geometry, level_set, packing, gate_column, open_end):
     """Fill `geometry`, whose apertures are set, and number the unknowns; return `number_unknowns`' envelope.
 
     Parameters

@@ -1,0 +1,12 @@
+"""Conditions that several effects share: what a case must be for them to act in it."""
+
+from fvcollapse.case.grammar import show
+
+
+def needs_friction(case, name):
+    """Refuse an effect on the friction coefficient where the law has none, or the solve is not the coupled one."""
+    method, law = case.numerics.method, case.rheology.law
+    if method != "coupled":
+        yield "numerics.method", show(method), f'"coupled" with effects.{name}'
+    if law not in ("mu_I", "drucker_prager"):
+        yield "rheology.law", show(law), f'"mu_I" or "drucker_prager" with effects.{name}'

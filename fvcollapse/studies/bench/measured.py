@@ -1,0 +1,195 @@
+"""What one case costs, measured within a process: the stages of the steps, and the parts of a sweep."""
+
+import resource
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from fvcollapse.case.case import case_from_text
+from fvcollapse.output.run import run_case
+from fvcollapse.simulation import Simulation
+from fvcollapse.step import assembly, coefficients
+from fvcollapse.step.advance import STAGES
+from fvcollapse.step.balance import balance_of
+from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
+from fvcollapse.step.compiled import kernel_jit
+
+TERMS = {
+    "move_surface": "surface",
+    "carry_momentum": "momentum advection",
+    "place": "geometry",
+    "solve": "implicit solve",
+    "book_energy": "energy budget",
+    "continue_velocity": "continuation of the velocity",
+}
+SAMPLES = 20  # instants at which the parts of a sweep are timed
+REPEATS = 3
+PARTS = ("coefficients", "assembly", "factorisation", "substitution")
+
+
+class Clock:
+    """Wall time of the stages of a step, in `seconds`; `read` returns the present time, s."""
+
+    def __init__(self, read=time.perf_counter):
+        self.read, self.seconds = read, dict.fromkeys(TERMS, 0.0)
+
+    def stages(self):
+        """The stages of a step, which add their wall time to `seconds`."""
+        return STAGES._replace(**{name: self.timed(name) for name in TERMS})
+
+    def timed(self, name):
+        """A stage that adds its wall time to `seconds`."""
+        stage = getattr(STAGES, name)
+
+        def timed_stage(*arguments, **options):
+            start = self.read()
+            value = stage(*arguments, **options)
+            self.seconds[name] += self.read() - start
+            return value
+
+        return timed_stage
+
+
+class TimedSimulation(Simulation):
+    """A simulation that keeps the wall time of its terms and the sizes of its systems."""
+
+    def __init__(self, case, state=None):
+        clock = Clock()
+        super().__init__(case, state, clock.stages())
+        self.seconds = clock.seconds = dict.fromkeys(TERMS, 0.0)  # of the steps, without the start
+        self.sweeps = self.unknowns = self.cells = self.steps = 0
+        self.began = self.ended = self.probing = 0.0
+        self.sweep_parts = []
+
+    def advance(self, time_limit):
+        """One step, counted."""
+        self.began = self.began or time.perf_counter()
+        record = super().advance(time_limit)
+        cells = np.count_nonzero(self.geometry.filled)
+        self.sweeps += record.sweeps
+        self.unknowns += record.sweeps * (self.ends.size + cells)
+        self.cells += cells
+        self.steps += 1
+        if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
+            start = time.perf_counter()
+            self.sweep_parts.append(time_sweep(self) | {"sweeps": self.sweeps})
+            self.probing += time.perf_counter() - start
+        self.ended = time.perf_counter()
+        return record
+
+
+def time_sweep(simulation):
+    """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
+    state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
+    band, rhs = allocate_system(simulation.ends)
+    balance, spacing = balance_of(simulation, state.dt), simulation.spacing
+    fields = state.u, state.w, state.pressure_filled
+
+    def compute():
+        coefficients.coefficients(
+            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing
+        )
+
+    def put_together():
+        assembly.assemble(
+            band,
+            rhs,
+            simulation.ends,
+            work,
+            state.pressure_filled,
+            state.u,
+            state.w,
+            geometry,
+            balance,
+            *spacing,
+        )
+
+    parts = {"coefficients": best(compute), "assembly": best(put_together)}
+    coefficients_read = np.count_nonzero(band)
+    both = best(lambda: (put_together(), factorise(band, simulation.ends)))
+    parts["factorisation"] = both - parts["assembly"]
+    parts["substitution"] = best(lambda: solve_factorised(rhs, band, simulation.ends))
+    unknowns = simulation.ends.size + np.count_nonzero(geometry.filled)
+    return parts | {"unknowns": unknowns, "coefficients_read": coefficients_read}
+
+
+def best(work, repeats=REPEATS):
+    """Shortest of a few wall times, s."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+@kernel_jit()
+def triad(a, b, c):
+    """Set a = b + 2 c."""
+    for i in range(a.size):
+        a[i] = b[i] + 2.0 * c[i]
+
+
+def bandwidth(total_bytes):
+    """Bytes per second of a triad whose three arrays have this size together."""
+    a, b, c = np.zeros((3, max(int(total_bytes) // 24, 1)))
+    loops = max(1, int(2e7 // (24 * a.size)))
+
+    def work():
+        for _ in range(loops):
+            triad(a, b, c)
+
+    triad(a, b, c)
+    return loops * 24 * a.size / best(work)
+
+
+def member(case_text):
+    """Run one case as the command line does and return its figures; for a process of its own."""
+    case, made = case_from_text(case_text), []
+
+    def simulate(*arguments):
+        made.append(TimedSimulation(*arguments))
+        return made[-1]
+
+    with tempfile.TemporaryDirectory() as folder:
+        run_case(case, Path(folder) / "run", quiet=True, simulate=simulate)
+    (timed,) = made
+    return figures(timed)
+
+
+def figures(timed):
+    """The row of one case; the loop begins with the first step and ends with the last."""
+    sizes = {name: mean_over_sweeps(timed, name) for name in ("unknowns", "coefficients_read")}
+    sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
+    bound_of_sweep = sweep_bytes / bandwidth(sweep_bytes)
+    parts = {name: mean_over_sweeps(timed, name) for name in PARTS}
+    traffic = sweep_bytes * timed.unknowns / sizes["unknowns"]
+    wall = timed.ended - timed.began - timed.probing
+    share = {TERMS[name]: seconds / wall for name, seconds in timed.seconds.items()}
+    share["recording and the rest"] = 1.0 - sum(share.values())
+    return {
+        "cell_size": timed.spacing[1],
+        "end_s": timed.case.time.end,
+        "wall_s": wall,
+        "steps": timed.steps,
+        "sweeps": timed.sweeps,
+        "linear_iterations": timed.sweeps,  # one direct solve in each sweep
+        "active_cells": timed.cells / timed.steps,
+        "us_per_cell_and_step": 1e6 * wall / timed.cells,
+        "share": share,
+        "sweep_s": parts,
+        "bound_sweep_s": bound_of_sweep,
+        "over_bound": {name: seconds / bound_of_sweep for name, seconds in parts.items()},
+        "bound_s": traffic / sweep_bytes * bound_of_sweep,
+        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+    }
+
+
+def mean_over_sweeps(timed, name):
+    """Mean of what was found at each instant, each for the sweeps that are nearest to it."""
+    made = np.array([part["sweeps"] for part in timed.sweep_parts])
+    between = 0.5 * (made[1:] + made[:-1])
+    weights = np.diff([0.0, *between, timed.sweeps])
+    return np.average([part[name] for part in timed.sweep_parts], weights=weights)
