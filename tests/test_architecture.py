@@ -15,7 +15,8 @@ PACKAGE = Path(fvcollapse.__file__).parent
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
     "errors version",
-    "files console",
+    "files",
+    "console",
     "case.grammar case.limits case.well_posed",
     "case.rules case.effect_sections",
     "effects",
@@ -31,6 +32,7 @@ LAYERS = (
     "blind",
     "align cache observation",
     "__init__",
+    "commands",
     "__main__",
 )
 RANK = {name: rank for rank, line in enumerate(LAYERS) for name in line.split()}

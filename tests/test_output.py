@@ -11,7 +11,7 @@ from fake_simulation import FakeSimulation, height, length
 import fvcollapse
 from fvcollapse import open_result
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.console.terminal import progress_bar
+from fvcollapse.console.bars import progress_bar
 from fvcollapse.measure.observables import SCALAR_UNITS
 from fvcollapse.output import recorder
 from fvcollapse.output import run as output

@@ -1,1 +1,1 @@
-"""The terminal: what is printed, and what a signal does."""
+"""The console: progress bars, what is printed, and what a signal does."""

@@ -10,8 +10,7 @@ from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.overwriting import ELSEWHERE
-from fvcollapse.files.targets import has_contents, is_there, make_folder
+from fvcollapse.files.targets import ELSEWHERE, has_contents, is_there, make_folder
 from fvcollapse.measure.curves import FORMS, curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (

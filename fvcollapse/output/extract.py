@@ -10,7 +10,7 @@ import io
 
 import numpy as np
 
-from fvcollapse.files.storage import build_image, write_dataset
+from fvcollapse.files.hdf5 import build_image, write_dataset
 from fvcollapse.output.checkpoint import write_header
 from fvcollapse.output.recorder import PROFILES, SERIES, STEPS
 from fvcollapse.output.result import FORMAT, Result, write_status

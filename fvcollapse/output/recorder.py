@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.files.storage import memory_file, write_dataset
+from fvcollapse.files.hdf5 import memory_file, write_dataset
 from fvcollapse.measure.observables import (
     front_velocity,
     measure,

@@ -12,8 +12,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.console.bars import progress_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt
-from fvcollapse.console.terminal import log_start, progress_bar, run_log, tell, tell_once
 from fvcollapse.errors import (
     InputError,
     OutputError,
@@ -22,7 +22,7 @@ from fvcollapse.errors import (
     failures_named,
 )
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.storage import build_image
+from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
@@ -38,6 +38,7 @@ from fvcollapse.output.run_folder import (
     renew_xdmf,
     tidy,
 )
+from fvcollapse.output.run_log import log_start, run_log, tell, tell_once
 from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text

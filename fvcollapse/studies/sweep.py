@@ -33,7 +33,7 @@ from fvcollapse.studies.workers import refuse_workers, run_all
 
 TABLE = "sweep.csv"
 POINTS_MAX = 100_000
-NAME_MAX = 120  # characters of the name of a folder
+FOLDER_NAME_MAX = 120  # characters
 SHOWN = (
     "runout",
     "runout_10mm",
@@ -86,9 +86,10 @@ def sweep(
     points = all_points(case, variations, source)
     folder = Path(folder).absolute()  # a worker has a working folder of its own
     latitude = Latitude(free=tuple(f"case.{key}" for key in variations))
-    if not claim_folder(folder, "sweep", case_question(case), force, latitude):
-        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+    same = claim_folder(folder, "sweep", case_question(case), force, latitude)
     make_folder(folder, TABLE)
+    if not same:
+        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
     found = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):
@@ -172,9 +173,9 @@ def point_name(values):
     """Name of a folder that tells the values, with a digest where it would be too long."""
     full = "_".join(f"{key}={toml_value(value)}" for key, value in values.items())
     name = re.sub(r"[^\w.=+-]+", "-", full.replace('"', "")).strip("-")
-    if len(name) <= NAME_MAX:
+    if len(name) <= FOLDER_NAME_MAX:
         return name
-    return f"{name[: NAME_MAX - 17]}_{sha256(full.encode()).hexdigest()[:16]}"
+    return f"{name[: FOLDER_NAME_MAX - 17]}_{sha256(full.encode()).hexdigest()[:16]}"
 
 
 # -- the table -----------------------------------------------------------------------------------

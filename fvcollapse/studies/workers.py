@@ -22,7 +22,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from math import inf
 
-from fvcollapse.console.bars import tqdm
+from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.output.fingerprint import solver_version
@@ -128,17 +128,6 @@ def outcome_of(future):
 def is_named(error, name):
     """Whether an error is of a type of this name, of a package that may be absent."""
     return type(error).__name__ == name
-
-
-def runs_bar(total, quiet):
-    """Bar over the runs, with ETA, on stderr."""
-    return tqdm(
-        total=total,
-        unit="run",
-        file=sys.stderr,
-        disable=quiet or not sys.stderr.isatty(),
-        dynamic_ncols=True,
-    )
 
 
 # -- where the calls are made --------------------------------------------------------------------
