@@ -21,12 +21,12 @@ BLUE, ORANGE, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#666666"  # Okabe 
 WIDTH = 9.0  # inch
 DPI = 130
 COLOURMAP = {"speed": "viridis", "pressure": "cividis"}
-GAMMA = {"speed": 0.5, "pressure": 1.0}  # the colours of the speed follow its root: slow parts show
+GAMMA = {"speed": 0.5, "pressure": 1.0}  # root of the speed: slow parts show
 LABEL = {"speed": "speed (m/s)", "pressure": "pressure (Pa)"}
 
 
 def new_figure(width, height):
-    """An empty figure that belongs to nobody else."""
+    """An empty figure of which pyplot knows nothing."""
     figure = Figure(figsize=(width, height), layout="constrained", dpi=DPI)
     figure.get_layout_engine().set(h_pad=0.03, hspace=0.02)
     FigureCanvasAgg(figure)
@@ -60,7 +60,7 @@ def frame(axes, long, high, exaggeration=1.0):
 
 
 def extent(result):
-    """Length and height of the pictures: a little more than the grains ever fill."""
+    """Length and height of the pictures, m: a little more than the grains fill at any time."""
     x, h = result.profiles.x, result.profiles.thickness.max(axis=0)
     length = x[reach(x, h)][-1]
     high = h.max() + layer_thickness(result.case)
@@ -68,13 +68,13 @@ def extent(result):
 
 
 def reach(x, h):
-    """Slice of the abscissae up to the first one beyond the grains."""
+    """Slice of the abscissae up to the first abscissa beyond the grains."""
     filled = np.flatnonzero(h > 0.0)
     return slice(0, min(filled[-1] + 2, len(x)) if filled.size else 1)
 
 
 def times_of_progress(result, times, progress):
-    """Indices into `times` where the front has made given parts of its way, and the last."""
+    """Indices into `times` at which the front has covered given fractions of its advance, and the last."""
     runout = np.interp(times, result.time, result.runout)
     goals = runout[0] + np.asarray(progress) * (runout[-1] - runout[0])
     indices = [int(np.argmax(runout >= goal)) for goal in goals[:-1]]
@@ -97,7 +97,7 @@ def stamp(axes, time):
 
 
 def title(axes, result, what):
-    """What is shown, and of which case."""
+    """Set the title of a picture: quantity, slope and width of the channel."""
     geometry, width = result.case.geometry, result.case.geometry.channel_width
     channel = f", channel {100 * width:g} cm wide" if np.isfinite(width) else ""
     axes.set_title(f"{what} — slope {geometry.slope_angle_deg:g}°{channel}", fontsize="medium")

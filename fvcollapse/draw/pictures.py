@@ -1,4 +1,4 @@
-"""The standard pictures of a result and an animation; computes nothing physical.
+"""The standard pictures and an animation of a result; nothing physical is computed here.
 
 Everything is in the frame of the bed, x to the right and z up, metres on equal axes unless the
 picture states an exaggeration. The grains are cut out along the surface itself (the zero line of
@@ -43,7 +43,7 @@ from fvcollapse.output.result import open_result
 from fvcollapse.step.erodible_bed import layer_thickness
 
 STATIC, FLOWING = "#8C8C8C", "#E8C98A"
-PROFILE_PROGRESS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # parts of the way of the front
+PROFILE_PROGRESS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # fractions of the advance of the front
 FIELD_PROGRESS = (0.02, 0.3, 0.7, 1.0)
 EXAGGERATION = 2.5  # of heights in the picture of the profiles
 FRAMES_MAX, FRAME_WIDTH = 120, 7.5

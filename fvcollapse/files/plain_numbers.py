@@ -1,7 +1,7 @@
 """Numbers in text, as instruments and spreadsheets write them.
 
-Python itself reads more than that: `1_000`, digits of every script, `nan` and `inf`. In a table of
-measurements each of these is a slip.
+Python reads more than these: `1_000`, digits of every script, `nan` and `inf`. In a table of
+measurements they are mistakes.
 """
 
 import re

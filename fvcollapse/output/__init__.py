@@ -1,1 +1,1 @@
-"""What a run leaves behind: series, profiles and fields, checkpoint, result file."""
+"""Output of a run: series, profiles and fields, checkpoint, result file."""

@@ -1,4 +1,4 @@
-"""checkpoint.h5: state and record of a run, from which it continues to the last bit.
+"""checkpoint.h5: state and record of a run, from which it continues bit for bit.
 
 Same groups as in a result, and /state with every entry of the tables `FIELDS` and `SCALARS`.
 """
@@ -20,7 +20,7 @@ NOT_NEGATIVE = ("time", "step", "dt", "volume_0", "volume_correction", "travel",
 
 
 class Checkpoint(NamedTuple):
-    """What is needed to continue: nothing else influences the rest of the run."""
+    """State and record from which a run continues; nothing else influences its further course."""
 
     state: State
     recorder: Recorder

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 
 class Part(NamedTuple):
-    """What counts of a definition.
+    """The part of a definition that enters a digest.
 
     Attributes
     ----------
     digest : str
-        "" if nothing counts.
+        "" if no part enters it.
     places : set of (str, str)
         The definitions that it refers to.
     statements : set of (str, str)

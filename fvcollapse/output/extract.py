@@ -1,8 +1,8 @@
-"""The part of a result that a comparison with an experiment needs, small enough to keep by hundreds.
+"""Extract of a result: what a comparison with an experiment needs, in some 100 kB.
 
 An extract is a result file without fields: `open_result` and `observe` read it. Series are thinned
 to `INTERVAL`, with the last step kept; profiles and series are single precision, to `RESOLUTION`.
-The rows of `steps` are summed up between the rows of the series, so that totals stay what they are
+The rows of `steps` are summed up between the rows of the series, so that totals do not change
 and `dt` is the time between two rows.
 """
 
@@ -17,8 +17,8 @@ from fvcollapse.output.result import FORMAT, Result, write_status
 
 INTERVAL = 0.005  # s between rows of the series
 RESOLUTION = 2.0**-18  # m, 4 micrometres: trailing zeros compress
-SMALL = ("v110", "v110")  # its index of a data set takes 2 kB less than that of older formats
-LARGEST = ("residual", "divergence")  # of the steps, the largest; `time` the last; others summed
+SMALL = ("v110", "v110")  # the index of a data set takes 2 kB less than in older formats
+LARGEST = ("residual", "divergence")  # of merged steps; of `time` the last, of others the sum
 
 
 def extract_image(result):
@@ -54,7 +54,7 @@ def open_image(image):
 
 
 def kept_rows(time):
-    """Indices of the rows that stay: the first at or after each multiple of `INTERVAL`, the last."""
+    """Indices of the retained rows: the first at or after each multiple of `INTERVAL`, the last."""
     wanted = np.arange(time[0], time[-1], INTERVAL)
     return np.unique([*np.searchsorted(time, wanted - 1.0e-9), len(time) - 1])
 

@@ -2,7 +2,7 @@
 
 The digest is that of a graph. Its nodes are the top-level definitions (functions, classes, constants)
 that a run reaches from `ROOTS`, its edges the references between them. It does not depend on the file
-in which a definition stands, and it leaves out all that gives no number:
+in which a definition stands, and it leaves out what cannot change a number:
 
 - comments, docstrings, annotations, layout and imports of the package itself;
 - the text of an error that is raised;
@@ -10,7 +10,7 @@ in which a definition stands, and it leaves out all that gives no number:
   the digest in every key of the cache; their units, bounds, defaults and descriptions only decide which
   cases there are. The methods of a section count;
 - priors, and what else an `Effect` says of calibration (`NO_NUMBERS`): they decide which cases a
-  diagnosis runs, not what these give.
+  diagnosis runs, not their results.
 
 An effect that is off changes no bit of a run, which the tests of the catalogue check. The tables that
 list the effects (`EFFECT_TABLES`) are therefore no part of the graph. What an entry of such a table
@@ -99,7 +99,7 @@ def is_section(node):
 
 
 class Counted(ast.NodeTransformer):
-    """Reduces a definition to what counts, and calls the definitions that it names by their own names.
+    """Reduces a definition to the text that enters the digest, with definitions under their own names.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ class Counted(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def visit_Call(self, node):  # noqa: N802
-        """A call: None if it only describes a value."""
+        """A call; None for a call that only describes a value."""
         name = called_name(node)
         if name in PROSE:
             return ast.Constant(None)

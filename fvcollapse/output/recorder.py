@@ -1,8 +1,8 @@
-"""What a run leaves behind: series at every step, profiles, fields, step log.
+"""Record of a run: series at every step, profiles, fields, step log.
 
 The schedule is a pure function of the case, so that a resumed run lands on the same times to the
-last bit. Fields are compressed once, into an HDF5 file in memory, from where each result and
-checkpoint copies them.
+last bit. Fields are compressed once, into an HDF5 file in memory. Every result and checkpoint
+copies them from there.
 """
 
 from typing import NamedTuple
@@ -151,7 +151,7 @@ def multiples(interval, end):
 
 
 class Recorder:
-    """Accumulates what a run leaves behind; `write` and `read` are exact inverses.
+    """Record of a run in memory; `read` restores exactly what `write` has stored.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Recorder:
     # -- while the run goes on -------------------------------------------------------------------
 
     def add_series(self, simulation):
-        """Append the instantaneous values of the present state, and the running ones."""
+        """Append the values of the present state, and the running maxima and sums."""
         quantities = simulation.cell_quantities()
         row = measure(
             simulation.state,
@@ -211,7 +211,7 @@ class Recorder:
         self.profiles["static_height"].append(static_height(state, grid) - layer)
 
     def add_field(self, simulation):
-        """Compress the present fields into /fields/<index>, and what ParaView needs beside."""
+        """Compress the present fields into /fields/<index>, and write the arrays for ParaView."""
         state, grid = simulation.state, simulation.grid
         own = ("level_set", "u", "w", *state.effect_fields())
         arrays = {name: getattr(state, name) for name in own}
@@ -290,7 +290,7 @@ def about_field(name):
 
 
 def pad_rows(rows, width):
-    """Rows of growing length as one array, with zeros where the domain did not reach yet."""
+    """Rows of growing length as one array, with zeros beyond the end that the domain had then."""
     table = np.zeros((len(rows), width))
     for row, values in zip(table, rows, strict=True):
         row[: len(values)] = values

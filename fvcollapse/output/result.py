@@ -42,7 +42,7 @@ class Result:
     status : str
         "complete", "running", "interrupted", "stopped: why" (a stated limit) or "failed: why".
     trust : Trust
-        Whether the result is to be used, and why not.
+        How far the result is to be trusted, with the reasons.
     field_times : (n_fields,) array
     path : Path or None
         None for a run in memory.
@@ -133,7 +133,7 @@ def open_result(path):
 
 
 def write_status(file, status, trust):
-    """How the run stands, and whether it is to be trusted, as root attributes of an open result.
+    """Write status and trust of a run as root attributes of an open result.
 
     Parameters
     ----------
@@ -149,14 +149,14 @@ def write_status(file, status, trust):
 
 
 def read_status(file, complete):
-    """`Result.status`; of a file that was written before there was such an attribute, what it implies."""
+    """`Result.status`; for an older file without this attribute it follows from `complete`."""
     if "status" in file.attrs:
         return text_attribute(file, "status")
     return COMPLETE if complete else INTERRUPTED
 
 
 def read_trust(file):
-    """The `Trust` in a file; None if it was written before there was one."""
+    """The `Trust` in a file; None for an older file without it."""
     if "trust" not in file.attrs:
         return None
     reasons = json.loads(text_attribute(file, "trust_reasons"))
@@ -170,7 +170,7 @@ def read_field_times(file):
 
 
 def share_of_dissipation(summary, name):
-    """An energy of the summary as % of all that was dissipated."""
+    """An energy of the summary in % of the dissipated energy."""
     total = summary["dissipation"] + summary["numerical_loss"]
     return 100.0 * summary[name] / total if total > 0.0 else 0.0
 

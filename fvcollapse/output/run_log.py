@@ -83,7 +83,7 @@ def log_start(log, case, stored):
 
 
 def tell(log, message):
-    """A warning in the log and on stderr."""
+    """Write a warning to the log and to stderr."""
     log.warning("%s", message)
     print(message, file=sys.stderr)
 

@@ -1,4 +1,4 @@
-"""One step of a run, guarded and recorded, and what a failure makes of the run."""
+"""One step of a run with its guards and its record, and the status of a run that fails."""
 
 import time
 from math import inf
@@ -16,7 +16,7 @@ def guards_of(simulation, recorder):
 
 
 def guarded_step(simulation, recorder, guards, landing):
-    """One step towards a landing, recorded; one that fails leaves no trace in the record.
+    """Make one step towards a landing and record it; a step that fails leaves no trace in the record.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def guarded_step(simulation, recorder, guards, landing):
 
 
 def recorded(recorder):
-    """How much has been recorded: numbers of rows and profiles."""
+    """Numbers of rows and of profiles recorded so far."""
     return len(recorder.series["time"]), len(recorder.profile_times)
 
 

@@ -1,4 +1,4 @@
-"""Whether a result is to be trusted, from its own record: "fine", "look at it" or "do not use".
+"""How far a result is to be trusted, judged by its own record: "fine", "look at it" or "do not use".
 
 | reason | look at it | do not use |
 |---|---|---|
@@ -13,7 +13,7 @@ only what lies beyond the solid fractions that the law allows counts.
 
 A capped step is one whose nonlinear sweeps stopped above the tolerance. Ordinary collapses have less
 than 4 % of them; materials of pure yield stress that come to rest have up to half, without harm. Many
-of them therefore are a reason to look, not to discard.
+capped steps are therefore a reason to look at a result, not to discard it.
 """
 
 from typing import NamedTuple

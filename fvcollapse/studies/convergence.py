@@ -1,4 +1,4 @@
-"""Observed order, Richardson extrapolation and grid convergence index; knows nothing of runs.
+"""Observed order, Richardson extrapolation and grid convergence index of given values.
 
 A value is taken to depend on the refinement size h as phi(h) = phi_0 + C h^p. From three sizes
 h_3 > h_2 > h_1, with r_21 = h_2/h_1, r_32 = h_3/h_2, eps_21 = phi_2 - phi_1, eps_32 = phi_3 - phi_2
@@ -58,7 +58,7 @@ ROUND_OFF = 1.0e-12  # relative; differences below it are none
 
 
 class Convergence(NamedTuple):
-    """What three successive sizes say; None where it cannot be said. Errors are fractions.
+    """Convergence over three successive sizes; None for what cannot be determined. Errors are fractions.
 
     Attributes
     ----------

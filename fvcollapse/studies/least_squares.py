@@ -36,7 +36,7 @@ FIXED = {"h": (1.0,), "h^2": (2.0,), "h + h^2": (1.0, 2.0)}
 
 
 class Fit(NamedTuple):
-    """What all values say; errors are fractions of the finest value.
+    """The fit to all values; errors are fractions of the finest value.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The runs that make up a study: each in a folder of its own, finished or continued, whoever began it."""
+"""The runs of a study, each in its own folder; unfinished runs are continued, whichever process began them."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ def run_member(case, folder, quiet=True, force=False):
     InputError
         The folder holds a run of another case, or one to a later end.
     NumericalError
-        Whatever else went wrong.
+        The run fails for any other reason.
     """
     folder = Path(folder)
     with failures_named(), exclusive(folder / LOCK):
@@ -32,10 +32,10 @@ def run_member(case, folder, quiet=True, force=False):
 
 
 def run_members(cases, workers=1, quiet=True, run=run_member, tell=print, failed=None):
-    """Run what is not finished of {folder: case}; `tell` gets a line of text of each that is done.
+    """Run the unfinished cases of {folder: case}; `tell` gets one line of text for every finished run.
 
-    What is finished is kept; a member that was running leaves its checkpoint. The next call
-    continues both.
+    Finished runs are retained, and a run that was stopped leaves its checkpoint: the next call
+    continues from there.
 
     Parameters
     ----------

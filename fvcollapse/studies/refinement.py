@@ -246,7 +246,7 @@ def record(axis, values, sizes, measured):
 
     Lists run from coarse to fine. `order`, `extrapolated`, `gci` and the further numbers at the top
     belong to the finest three; `triplets` holds the same of every three neighbours, each with its
-    values of the axis; `least_squares` is what all values say together, null for fewer than four.
+    values of the axis; `least_squares` is the fit to all values, null for fewer than four.
     """
     found = successive(convergence, sizes, measured, FORMAL_ORDER)
     fitted = fit(sizes, measured)

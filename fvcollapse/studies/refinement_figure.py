@@ -55,7 +55,7 @@ def verdict(record):
 
 
 def draw_record(axes, record, axis, distances):
-    """The values of one observable, and what they say of the limit."""
+    """The values of one observable, and the limit extrapolated from them."""
     factor = SHOWN[axis][1]
     sizes = factor * np.array(record["refinement_size"] or record[axis])
     found = [value is not None for value in record["value"]]

@@ -1,4 +1,4 @@
-"""What a convergence study leaves behind: a table, converge.json, converge.csv and a figure."""
+"""Output of a convergence study: a table, converge.json, converge.csv and a figure."""
 
 import csv
 import io
@@ -80,7 +80,7 @@ def csv_text(records, axis):
 
 
 def table(records, axis, case):
-    """Blocks of aligned text: the values, what each three neighbours say, what all say; remarks."""
+    """Blocks of aligned text: the values, the convergence of every three neighbours, the fit to all; remarks."""
     values = next(iter(records.values()))[axis]
     rows = [[f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]]
     outcomes = [["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI"]]
@@ -98,7 +98,7 @@ def table(records, axis, case):
 
 
 def remarks(records, axis, values):
-    """How the indices are to be read, and what the reader must be warned of."""
+    """Notes on how to read the indices, and warnings."""
     if AXES[axis].size is None:
         yield "The tolerance is no refinement size: differences only."
         return
@@ -121,7 +121,7 @@ def remarks(records, axis, values):
 
 
 def oscillations(records):
-    """Which part of what was measured oscillates on refinement."""
+    """Share of the observables, and of the points of the profile, that oscillate on refinement."""
     found = [
         triplet["behaviour"]
         for name, record in records.items()

@@ -170,7 +170,7 @@ def make_point(case, values, source):
 
 
 def point_name(values):
-    """Name of a folder that tells the values, with a digest where it would be too long."""
+    """Name of a folder, made of the values; a digest stands for what would make it too long."""
     full = "_".join(f"{key}={toml_value(value)}" for key, value in values.items())
     name = re.sub(r"[^\w.=+-]+", "-", full.replace('"', "")).strip("-")
     if len(name) <= FOLDER_NAME_MAX:

@@ -1,7 +1,7 @@
 """Many runs at once: in processes of this machine, or on the workers of a Dask cluster.
 
-Both are used through the interface of `concurrent.futures`. A call whose worker died is made again;
-calls that run a case are such that what is finished is not run again and what was cut short
+Both are used through the interface of `concurrent.futures`. A call whose worker died is made again.
+Calls that run a case can be repeated: a finished run is not run again, and an interrupted run
 continues from its checkpoint (`run_member`). The workers of a cluster must see the folders of this
 machine (a shared file system) and have the same solver.
 """
@@ -103,7 +103,7 @@ def drain(pool, width, task, calls, queue, end, interrupted):
 
 
 def call(version, task, arguments):
-    """What a worker does."""
+    """Make one call inside a worker."""
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
         raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
@@ -126,7 +126,7 @@ def outcome_of(future):
 
 
 def is_named(error, name):
-    """Whether an error is of a type of this name, of a package that may be absent."""
+    """Whether an error has a type of this name; its package need not be installed."""
     return type(error).__name__ == name
 
 
