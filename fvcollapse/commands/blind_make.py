@@ -31,14 +31,13 @@ def add_parser(commands):
 def execute(arguments):
     """Make experiments that hide an effect, two, none, or a cause outside the catalogue; continue them."""
     from fvcollapse.blind.make import make
+    from fvcollapse.studies.workers import Resources
 
     seal = make(
         arguments.cases,
         arguments.out,
         arguments.labels,
-        workers=arguments.workers,
-        scheduler=arguments.scheduler,
-        quiet=arguments.quiet,
+        resources=Resources(arguments.workers, arguments.scheduler, arguments.quiet),
     )
     print(seal)
     return 0

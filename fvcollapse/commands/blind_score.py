@@ -34,7 +34,8 @@ def execute(arguments):
     from fvcollapse.output.question import claim_file
 
     claim_file(arguments.json, arguments.force)
-    from fvcollapse.blind.score import score, scores_text, table, write_scores
+    from fvcollapse.blind.score import score
+    from fvcollapse.blind.score_table import scores_text, table, write_scores
 
     scores = score(
         arguments.folder,

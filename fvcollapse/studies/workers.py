@@ -21,6 +21,7 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager
 from math import inf
+from typing import NamedTuple
 
 from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
@@ -34,6 +35,17 @@ CONNECT = 10.0  # s to wait for a scheduler
 POLL = 0.1  # s between two looks for a signal
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+
+
+class Resources(NamedTuple):
+    """Where many runs are made: `workers`, `scheduler` and `quiet` of `run_all`."""
+
+    workers: int = 1
+    scheduler: str | None = None
+    quiet: bool = True
+
+
+HERE = Resources()  # one after the other, in this process
 
 
 def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):

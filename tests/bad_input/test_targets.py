@@ -280,8 +280,9 @@ def test_truths_of_sealed_cases_are_private(tmp_path, monkeypatch):
         path.write_text("0.3")
 
     from fvcollapse.blind import make as making
+    from fvcollapse.blind.labels import Draw
 
     make_wedges(monkeypatch, tmp_path / "other", classes=["none"])
     monkeypatch.setattr(making, "keep_truth", keep)
-    making.make(1, tmp_path / "suite", classes=["none"], seed=1)
+    making.make(1, tmp_path / "suite", draw=Draw(classes=["none"], seed=1))
     assert set(modes) == {0o700}

@@ -18,8 +18,9 @@ from same_result import differences
 from fvcollapse import load_experiment, open_result
 from fvcollapse.__main__ import main
 from fvcollapse.blind import forms, outside
-from fvcollapse.blind.make import LABELS_FORMAT, SEAL_FORMAT, canonical, label_digest, make
-from fvcollapse.blind.score import seal_digest
+from fvcollapse.blind.labels import LABELS_FORMAT
+from fvcollapse.blind.make import make
+from fvcollapse.blind.seal import SEAL_FORMAT, canonical, label_digest, seal_digest
 from fvcollapse.case.case import Case, case_from_text, load_case
 from fvcollapse.diagnosis import diagnose as diagnosis
 from fvcollapse.errors import CaseError, InputError
@@ -214,7 +215,7 @@ def test_a_pipe_is_no_result(tmp_path):
     import os
 
     os.mkfifo(tmp_path / "result.h5")
-    with pytest.raises(InputError, match="a folder, a device or a pipe"):
+    with pytest.raises(InputError, match="a named pipe"):
         open_result(tmp_path / "result.h5")
 
 

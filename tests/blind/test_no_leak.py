@@ -19,7 +19,7 @@ MODULES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent.name !=
 # what the commands know of the blind package: how to make and score, nothing of a suite
 COMMANDS = {
     PACKAGE / "commands" / "blind_make.py": {"make"},
-    PACKAGE / "commands" / "blind_score.py": {"score"},
+    PACKAGE / "commands" / "blind_score.py": {"score", "score_table"},
 }
 
 

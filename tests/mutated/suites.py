@@ -9,10 +9,13 @@ from blind_suite import keep_wedge, wedge
 from fake_simulation import FakeSimulation
 
 from fvcollapse import load_case, load_experiment, observe, open_result
+from fvcollapse.blind import calibration, outcomes
 from fvcollapse.blind import make as making
-from fvcollapse.blind import metrics
-from fvcollapse.blind.score import score, scores_text, table
-from fvcollapse.blind.suite import SIMPLE, answer, read_evidence, simple_answer
+from fvcollapse.blind.answers import answer_of_verdict
+from fvcollapse.blind.evidence_file import read_evidence
+from fvcollapse.blind.score import score
+from fvcollapse.blind.score_table import scores_text, table
+from fvcollapse.blind.simple_rules import SIMPLE, simple_answer
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report_words import answer as sentences
@@ -212,7 +215,8 @@ def read_sealed(folder):
     answers, others = folder / "answers.json", [folder / "answers.json"]
     labels, distances = folder / "suite.labels.json", folder / "distances.json"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(metrics, "SAMPLES", 20)  # of the bootstrap
+        for module in (outcomes, calibration):
+            patch.setattr(module, "SAMPLES", 20)  # of the bootstrap
         scores = score(folder / "suite", answers, labels, others, distances)
     table(scores)
     json.loads(scores_text(scores), parse_constant=float.fromhex)
@@ -270,7 +274,7 @@ def write_evidence(seed):
 
 def read_evidence_file(path):
     content, evidence = read_evidence(path)
-    found = answer(content, verdict(evidence))
+    found = answer_of_verdict(content, verdict(evidence))
     for rule in SIMPLE.values():
         simple_answer(rule(content["simple"]), evidence)
     return list(oracle.impossible_scores(found["probability"]))
