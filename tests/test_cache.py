@@ -15,8 +15,8 @@ from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.output import run as output
 from fvcollapse.output.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
-from fvcollapse.output.recorder import SERIES, STEPS
 from fvcollapse.output.result import Profiles
+from fvcollapse.output.stored_names import SERIES, STEPS
 from fvcollapse.output.trust import Trust
 from fvcollapse.studies import cache
 from fvcollapse.studies.cache import RunCache, cache_key, default_folder, ready_folder

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fvcollapse.measure.observables import front_position
+from fvcollapse.measure.pile import front_position
 from runs.comparison.analysis import on_curve, power_coefficient
 from runs.comparison.tables import line, profile, table
 from runs.table import read_table

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.measure.observables import SPEED_STATIC, thickness
+from fvcollapse.measure.pile import SPEED_STATIC, thickness
 from fvcollapse.step.rheology import material
 from runs.paper import measures, pressure
 from runs.table import FINE, Curve

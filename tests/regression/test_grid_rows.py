@@ -5,7 +5,7 @@ import pytest
 
 from fvcollapse import simulation
 from fvcollapse.case.case import Case
-from fvcollapse.measure.observables import thickness
+from fvcollapse.measure.pile import thickness
 from fvcollapse.simulation import Simulation
 
 END = 1.0  # s; the pile is then a third as high as the column
