@@ -10,7 +10,7 @@ import pytest
 from fvcollapse.case.case import GRAVITY, Case
 from plots import paper, paper_front_slow_phase
 from runs import table
-from runs.paper import cases, extract, measures, members, pressure, statements, study
+from runs.paper import cases, curves, measures, members, pressure, readings, statements, study
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Clause, Statement, claims, combined
 from runs.study import main as call
 
@@ -194,7 +194,7 @@ def test_viscosity_of_equation_6():
     """By hand: 0.25 * 1000 / (10 + 0.279/0.035 sqrt(1000))."""
     field = {"pressure": np.array([1000.0]), "shear_rate": np.array([10.0])}
     expected = 0.25 * 1000.0 / (10.0 + 0.279 / 0.035 * math.sqrt(1000.0))
-    assert extract.eta_I(field, Case()) == pytest.approx(expected)
+    assert readings.eta_I(field, Case()) == pytest.approx(expected)
 
 
 # -- verdicts ------------------------------------------------------------------------------------
@@ -273,10 +273,10 @@ def written(tmp_path):
     table.write_table(tmp_path / "group" / table.SCALARS, rows)
     run = {"case": "muI_a22_w10", "refinement": 1.0, "cell_size_mm": 6.0}
     values = np.array([0.2, 0.25, math.nan, -0.00001, 1.5])
-    curve = extract.Curve("odd_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
+    curve = curves.Curve("odd_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
     values = np.minimum(0.2 + 0.01 * np.arange(20), 0.3)
-    front = extract.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
-    dated = extract.Curve("thickness_mm", 1.76, math.nan, "x_m", 0.0, 0.006, 100 * values[:2], 1)
+    front = curves.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
+    dated = curves.Curve("thickness_mm", 1.76, math.nan, "x_m", 0.0, 0.006, 100 * values[:2], 1)
     lines = [table.curve_row(run, of) for of in (curve, front, dated)]
     table.write_table(tmp_path / "group" / table.CURVES, lines)
     return table.Tables(tmp_path)
@@ -348,7 +348,7 @@ def test_every_case_is_listed_once_and_is_a_case():
         assert refinement == 1.0 or case.grid.cell_size < 0.006, name
     for group in cases.GROUPS.values():
         for member in group.values():
-            assert set(member.keep) <= set(extract.KEPT)
+            assert set(member.keep) <= set(curves.KEPT)
             assert set(member.profiles) <= set(cases.TIMES)
 
 
@@ -359,7 +359,7 @@ def test_every_case_is_listed_once_and_is_a_case():
 def short(monkeypatch):
     """One short case on two coarse grids instead of all."""
     settings = cases.collapse(22, "w10", end=0.12)
-    keep = tuple(extract.KEPT)
+    keep = tuple(curves.KEPT)
     listed = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
     for module in (cases, study, members):
         monkeypatch.setattr(module, "GROUPS", {"lateral_friction": listed})

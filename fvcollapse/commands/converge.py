@@ -38,21 +38,18 @@ def execute(arguments):
 
     case = load_case(arguments.case, arguments.overrides)
     from fvcollapse.output.question import claim_file
-    from fvcollapse.studies.refinement import AXES, refine
+    from fvcollapse.studies.refinement import AXES, Series, refine
     from fvcollapse.studies.refinement_report import NAME, table, write_report
+    from fvcollapse.studies.workers import Resources
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
     values = getattr(arguments, axis)
     folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
     claim_file(arguments.json, arguments.force, copy_of=folder / f"{NAME}.json")
     records = refine(
-        case,
-        axis,
-        values,
+        Series(case, axis, values, str(arguments.case)),
         folder,
-        workers=arguments.workers,
-        quiet=arguments.quiet,
-        source=str(arguments.case),
+        Resources(arguments.workers, quiet=arguments.quiet),
         force=arguments.force,
     )
     paths = write_report(records, axis, case, folder, arguments.json)

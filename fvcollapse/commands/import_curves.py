@@ -53,7 +53,7 @@ def add_parser(commands):
 
 def execute(arguments):
     """Write digitised curves (x, y without header; any column and decimal mark) as an experiment."""
-    from fvcollapse.measure.digitised import Source, missing_settings, write_experiment
+    from fvcollapse.measure.digitised import Source, Units, missing_settings, write_experiment
 
     sources = [
         Source(name, path, None)
@@ -62,9 +62,9 @@ def execute(arguments):
     ]
     for option, name in (("profile", "profiles"), ("interface", "interface")):
         sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
-    units = arguments.length_unit, arguments.time_unit, arguments.volume_unit
+    units = Units(arguments.length_unit, arguments.time_unit, arguments.volume_unit)
     changes = {"settings": arguments.settings, "force": arguments.force}
-    for path in write_experiment(sources, arguments.out, *units, **changes):
+    for path in write_experiment(sources, arguments.out, units, **changes):
         print(path)
     missing = missing_settings(arguments.out)
     if missing:

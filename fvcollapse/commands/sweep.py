@@ -36,6 +36,7 @@ def execute(arguments):
 
     case = load_case(arguments.case, arguments.overrides)
     from fvcollapse.studies.sweep import TABLE, parse_variation, sweep, table
+    from fvcollapse.studies.workers import Resources
 
     variations = {}
     for text in arguments.variations:
@@ -45,9 +46,7 @@ def execute(arguments):
         case,
         variations,
         arguments.out,
-        workers=arguments.workers,
-        scheduler=arguments.scheduler,
-        quiet=arguments.quiet,
+        Resources(arguments.workers, arguments.scheduler, arguments.quiet),
         source=str(arguments.case),
         force=arguments.force,
     )

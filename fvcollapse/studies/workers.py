@@ -20,6 +20,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
+from functools import partial
 from math import inf
 from typing import NamedTuple
 
@@ -91,8 +92,8 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
             bar.update()
             finished(name, outcome)
 
-        with executor(workers, scheduler) as (pool, width, interrupted):
-            drain(pool, width, task, calls, queue, end, interrupted)
+        with executor(workers, scheduler) as place:
+            drain(place, partial(call, solver_version(), task), calls, queue, end)
 
 
 def refuse_workers(workers):
@@ -101,12 +102,21 @@ def refuse_workers(workers):
         raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
 
 
-def drain(pool, width, task, calls, queue, end, interrupted):
-    """Work the queue off, `width` calls at a time; `interrupted()` is the number of a signal, or 0."""
+class Place(NamedTuple):
+    """Where calls are made: an executor, how many it may hold, and a function: number of a signal, or 0."""
+
+    pool: Executor
+    width: float
+    interrupted: object
+
+
+def drain(place, task, calls, queue, end):
+    """Make the calls of the queue, as many at a time as the place holds; `end` gets each outcome."""
+    pool, width, interrupted = place
     running = {}
     while queue or running:
         while queue and len(running) < width:
-            future = pool.submit(call, solver_version(), task, calls[queue[0]])
+            future = pool.submit(task, calls[queue[0]])
             running[future] = queue.popleft()
         for future in wait(running, POLL, FIRST_COMPLETED).done:
             end(running.pop(future), outcome_of(future))
@@ -147,15 +157,15 @@ def is_named(error, name):
 
 @contextmanager
 def executor(workers, scheduler):
-    """(executor, number of calls that it may hold, whether a signal came) of processes or a cluster."""
+    """The `Place` of processes of this machine, or of a cluster."""
     if scheduler is not None:
         with cluster(scheduler) as client:
-            yield client.get_executor(pure=False), inf, no_signal
+            yield Place(client.get_executor(pure=False), inf, no_signal)
     elif workers == 1:
-        yield InThisProcess(), 1, no_signal
+        yield Place(InThisProcess(), 1, no_signal)
     else:
         with processes(workers) as (pool, interrupted):
-            yield pool, workers, interrupted
+            yield Place(pool, workers, interrupted)
 
 
 def no_signal():

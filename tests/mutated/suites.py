@@ -24,6 +24,7 @@ from fvcollapse.errors import InputError
 from fvcollapse.measure.digitised import (
     LENGTHS,
     Source,
+    Units,
     missing_settings,
     read_pairs,
     write_experiment,
@@ -124,7 +125,7 @@ def read_digitised(path):
     target = path.parent / "imported"
     for old in target.glob("*"):
         old.unlink()
-    write_experiment([Source("front", path, None)], target, pick(RNG, list(LENGTHS)))
+    write_experiment([Source("front", path, None)], target, Units(pick(RNG, list(LENGTHS))))
     missing_settings(target)
     return found
 
