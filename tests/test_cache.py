@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from fake_simulation import FakeSimulation
+from fake_simulation import FakeSimulation, stopped
 
 from fvcollapse import observe, open_result
 from fvcollapse.case.case import Case
@@ -37,18 +37,6 @@ def started(monkeypatch):
 
     monkeypatch.setattr(output, "Simulation", Counted)
     return cases
-
-
-def stopped(error, step=3, only=lambda case: True):
-    """The present simulation, stopped before a step."""
-
-    class Stopped(output.Simulation):
-        def advance(self, time_limit):
-            if self.state.step == step and only(self.case):
-                raise error
-            return super().advance(time_limit)
-
-    return Stopped
 
 
 # -- keys ----------------------------------------------------------------------------------------
@@ -287,9 +275,6 @@ def test_two_at_a_time_make_one_run(started, tmp_path):
         thread.join()
     assert len(results) == 4
     assert len(started) == 1
-
-
-# -- many ----------------------------------------------------------------------------------------
 
 
 def test_many_runs_share_what_is_equal_and_failures_stop_nobody(started, monkeypatch, tmp_path):
