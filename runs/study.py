@@ -21,7 +21,7 @@ from tqdm import tqdm
 from fvcollapse.case.case import Case
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.output.result import open_result
-from fvcollapse.output.run import RESULT
+from fvcollapse.output.run_folder import RESULT
 from fvcollapse.studies.cache import RunCache, default_folder
 from fvcollapse.studies.members import run_member, run_members
 from runs.table import RUNS, read_table, write_table

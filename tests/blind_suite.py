@@ -3,6 +3,7 @@
 import numpy as np
 
 from fvcollapse.blind import make as making
+from fvcollapse.blind.labels import Draw
 from fvcollapse.blind.truth import View
 from fvcollapse.errors import NumericalError
 
@@ -37,5 +38,6 @@ def make_wedges(monkeypatch, folder, classes=CLASSES, failures=(), **options):
 
     monkeypatch.setattr(making, "keep_truth", keep)
     monkeypatch.setattr(making, "view_of", wedge)
-    seal = making.make(len(classes), folder, classes=classes, seed=1, **options)
+    draw = Draw(classes=classes, seed=1)
+    seal = making.make(len(classes), folder, draw=draw, **options)
     return seal, calls

@@ -37,3 +37,8 @@ def write_experiment(folder, settings=SETTINGS, **changes):
         if text is not None:
             (folder / name).write_text(text, encoding="utf-8")
     return folder
+
+
+def rows(table):
+    """The lines of a table, every number to its last digit."""
+    return "".join(",".join(repr(float(value)) for value in row) + "\n" for row in table)

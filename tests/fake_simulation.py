@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.output import run as output
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.grid import Grid
 from fvcollapse.step.state import FIELDS, SCALARS, State, location_shape
@@ -132,3 +133,15 @@ class FakeSimulation:
             "inertial_number": rate / np.sqrt(pressure + 1.0),
             "ill_posed": rate > 1.0,
         }
+
+
+def stopped(error, step=3, only=lambda case: True):
+    """The present simulation, stopped before a step."""
+
+    class Stopped(output.Simulation):
+        def advance(self, time_limit):
+            if self.state.step == step and only(self.case):
+                raise error
+            return super().advance(time_limit)
+
+    return Stopped

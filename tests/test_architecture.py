@@ -37,6 +37,7 @@ LAYERS = (
     "blind",
     "align cache observation",
     "__init__",
+    "commands",
     "__main__",
 )
 RANK = {name: rank for rank, line in enumerate(LAYERS) for name in line.split()}

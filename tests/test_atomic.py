@@ -12,7 +12,7 @@ from fvcollapse.files.atomic import PREFIX, SUFFIX, locked_temporary, write_atom
 
 WRITE_FOR_EVER = """
 import sys
-from fvcollapse import atomic
+from fvcollapse.files import atomic
 def wait(*_):
     open(sys.argv[1] + "/writing", "w").close()
     __import__("time").sleep(60)

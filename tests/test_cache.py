@@ -8,15 +8,15 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from fake_simulation import FakeSimulation
+from fake_simulation import FakeSimulation, stopped
 
 from fvcollapse import observe, open_result
 from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.output import run as output
 from fvcollapse.output.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
-from fvcollapse.output.recorder import SERIES, STEPS
 from fvcollapse.output.result import Profiles
+from fvcollapse.output.stored_names import SERIES, STEPS
 from fvcollapse.output.trust import Trust
 from fvcollapse.studies import cache
 from fvcollapse.studies.cache import RunCache, cache_key, default_folder, ready_folder
@@ -37,18 +37,6 @@ def started(monkeypatch):
 
     monkeypatch.setattr(output, "Simulation", Counted)
     return cases
-
-
-def stopped(error, step=3, only=lambda case: True):
-    """The present simulation, stopped before a step."""
-
-    class Stopped(output.Simulation):
-        def advance(self, time_limit):
-            if self.state.step == step and only(self.case):
-                raise error
-            return super().advance(time_limit)
-
-    return Stopped
 
 
 # -- keys ----------------------------------------------------------------------------------------
@@ -287,9 +275,6 @@ def test_two_at_a_time_make_one_run(started, tmp_path):
         thread.join()
     assert len(results) == 4
     assert len(started) == 1
-
-
-# -- many ----------------------------------------------------------------------------------------
 
 
 def test_many_runs_share_what_is_equal_and_failures_stop_nobody(started, monkeypatch, tmp_path):

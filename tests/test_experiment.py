@@ -5,7 +5,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from experiment_folder import SETTINGS, write_experiment
+from experiment_folder import SETTINGS, rows, write_experiment
 from fake_simulation import FakeSimulation
 
 from fvcollapse import load_experiment, observe
@@ -136,9 +136,6 @@ def test_settings_without_truth_are_left_alone():
     assert tomllib.loads(strip_truth("a = '''\n[x]\n'''\n")) == {"a": "[x]\n"}
 
 
-# -- the case ----------------------------------------------------------------------------------
-
-
 def test_baseline_is_the_defaults_and_what_the_experiment_says(experiment):
     case = experiment.case()
     changes = {
@@ -241,10 +238,6 @@ def test_simulation_meets_itself(fake, tmp_path):
         np.testing.assert_allclose(each.gap, 0.0, atol=1e-12)
         assert each.gap.shape == each.sigma.shape == each.time.shape == each.x.shape
     np.testing.assert_array_equal(aligned[1].x, picked[:, 1])
-
-
-def rows(table):
-    return "".join(",".join(repr(float(value)) for value in row) + "\n" for row in table)
 
 
 def test_gap_is_simulated_minus_measured(experiment, fake):

@@ -21,14 +21,15 @@ STUDY = (
 )
 SIGNALLED_COMMAND = """
 import os, sys
-from fvcollapse import __main__ as command_line
+from fvcollapse.commands import keys
+from fvcollapse.commands.command_line import main
 def signalled(arguments):
     print("before")
     os.kill(os.getpid(), int(sys.argv[1]))
     print("after")
     return 0
-command_line.keys = signalled
-sys.exit(command_line.main(["keys"]))
+keys.execute = signalled
+sys.exit(main(["keys"]))
 """
 
 

@@ -5,7 +5,7 @@ import pytest
 from fake_simulation import FakeSimulation
 
 from fvcollapse.case.case import Case
-from fvcollapse.measure import observables
+from fvcollapse.measure import observables, pile
 from fvcollapse.step.grid import Grid
 from fvcollapse.step.state import State
 
@@ -32,23 +32,23 @@ def state_of(level_set, u, w=None, bed_slip=None):
 
 def test_thickness_of_a_plane_surface_is_exact():
     grid = Grid(12, 9, 0.01, 0.007)
-    h = observables.thickness(plane_level_set(grid, 0.05, 0.3), grid.dz)
+    h = pile.thickness(plane_level_set(grid, 0.05, 0.3), grid.dz)
     np.testing.assert_allclose(h, np.maximum(0.05 - 0.3 * grid.x_nodes, 0.0), atol=1e-15)
 
 
 def test_thickness_adds_separate_pieces():
     """A layer of 0.5 cells at the bed and a sheet of 1 cell above an empty one."""
     level_set = np.array([[-0.5, 0.5, 0.5, -0.5, -0.5, 0.5]] * 3)
-    np.testing.assert_allclose(observables.thickness(level_set, 2.0), 2.0 * (0.5 + 0.5 + 1.0 + 0.5))
+    np.testing.assert_allclose(pile.thickness(level_set, 2.0), 2.0 * (0.5 + 0.5 + 1.0 + 0.5))
 
 
 def test_thickness_is_zero_without_grains_and_full_without_surface():
-    assert observables.thickness(np.ones((3, 5)), 0.1).max() == 0.0
-    np.testing.assert_allclose(observables.thickness(-np.ones((3, 5)), 0.1), 0.4)
+    assert pile.thickness(np.ones((3, 5)), 0.1).max() == 0.0
+    np.testing.assert_allclose(pile.thickness(-np.ones((3, 5)), 0.1), 0.4)
 
 
 def test_thickness_of_a_touching_surface_is_zero():
-    assert observables.thickness(np.zeros((2, 4)), 0.1).max() == 0.0
+    assert pile.thickness(np.zeros((2, 4)), 0.1).max() == 0.0
 
 
 # -- static–flowing interface ------------------------------------------------------------------
@@ -65,31 +65,31 @@ def sheared(slope, height=0.08, offset=0.0):
 def test_static_height_of_a_linear_profile_is_exact():
     """u = z/2 reaches 0.01 m/s at z = 0.02 m, between two rows of faces."""
     state, grid = sheared(0.45)
-    np.testing.assert_allclose(observables.static_height(state, grid), 0.01 / 0.45, rtol=1e-12)
+    np.testing.assert_allclose(pile.static_height(state, grid), 0.01 / 0.45, rtol=1e-12)
 
 
 def test_static_height_at_rest_is_the_thickness():
     state, grid = sheared(0.0)
-    np.testing.assert_allclose(observables.static_height(state, grid), 0.08)
+    np.testing.assert_allclose(pile.static_height(state, grid), 0.08)
 
 
 def test_static_height_of_a_sliding_plug_is_the_bed():
     grid = Grid(6, 12, 0.01, 0.01)
     u, slip = np.full((7, 12), 0.5), np.full(7, 0.5)
     state = state_of(plane_level_set(grid, 0.08), u, bed_slip=slip)
-    assert observables.static_height(state, grid).max() == 0.0
+    assert pile.static_height(state, grid).max() == 0.0
 
 
 def test_static_height_is_below_the_first_face_when_the_bed_sticks():
     grid = Grid(6, 12, 0.01, 0.01)
     state = state_of(plane_level_set(grid, 0.08), np.full((7, 12), 0.5))
-    np.testing.assert_allclose(observables.static_height(state, grid), 0.005 * 0.01 / 0.5)
+    np.testing.assert_allclose(pile.static_height(state, grid), 0.005 * 0.01 / 0.5)
 
 
 def test_static_height_counts_the_normal_velocity():
     grid = Grid(6, 12, 0.01, 0.01)
     state = state_of(plane_level_set(grid, 0.08), np.zeros((7, 12)), np.full((6, 13), -0.3))
-    assert observables.static_height(state, grid).max() < 0.005
+    assert pile.static_height(state, grid).max() < 0.005
 
 
 def test_static_height_takes_the_highest_slow_place():
@@ -97,20 +97,20 @@ def test_static_height_takes_the_highest_slow_place():
     grid = Grid(2, 8, 0.01, 0.01)
     u = np.tile([0.5, 0.5, 0.0, 0.0, 0.5, 0.5, 0.5, 0.5], (3, 1))
     state = state_of(plane_level_set(grid, 0.07), u, bed_slip=np.full(3, 0.5))
-    np.testing.assert_allclose(observables.static_height(state, grid), 0.035 + 0.01 * 0.01 / 0.5)
+    np.testing.assert_allclose(pile.static_height(state, grid), 0.035 + 0.01 * 0.01 / 0.5)
 
 
 def test_static_height_ignores_what_is_above_the_surface():
     grid = Grid(2, 8, 0.01, 0.01)
     u = np.tile([0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0], (3, 1))
     state = state_of(plane_level_set(grid, 0.03), u, bed_slip=np.full(3, 0.5))
-    assert observables.static_height(state, grid).max() == 0.0
+    assert pile.static_height(state, grid).max() == 0.0
 
 
 def test_static_height_is_zero_where_there_are_no_grains():
     grid = Grid(10, 8, 0.01, 0.01)
     state = state_of(plane_level_set(grid, 0.04, slope=1.0), np.zeros((11, 8)))
-    height, h = observables.static_height(state, grid), observables.thickness(state.level_set, 0.01)
+    height, h = pile.static_height(state, grid), pile.thickness(state.level_set, 0.01)
     np.testing.assert_allclose(height, h, atol=1e-15)
 
 
@@ -120,46 +120,44 @@ def test_static_height_is_zero_where_there_are_no_grains():
 @pytest.mark.parametrize("threshold", [0.001, 0.005, 0.01])
 def test_front_of_a_wedge_is_exact(threshold):
     x = np.linspace(0.0, 1.0, 51)
-    assert observables.front_position(x, 0.1 - 0.1 * x, threshold) == pytest.approx(
-        1 - 10 * threshold
-    )
+    assert pile.front_position(x, 0.1 - 0.1 * x, threshold) == pytest.approx(1 - 10 * threshold)
 
 
 def test_front_ignores_grains_that_have_come_off():
     x, h = np.arange(7.0), np.array([3.0, 2.0, 1.0, 0.0, 0.0, 2.0, 0.0])
-    assert observables.front_position(x, h, 0.5) == pytest.approx(2.5)
+    assert pile.front_position(x, h, 0.5) == pytest.approx(2.5)
 
 
 def test_front_of_a_pile_that_left_the_back_wall():
     x, h = np.arange(7.0), np.array([0.0, 0.6, 0.0, 1.0, 3.0, 2.0, 0.0])
-    assert observables.front_position(x, h, 0.5) == pytest.approx(5.75)
+    assert pile.front_position(x, h, 0.5) == pytest.approx(5.75)
 
 
 def test_front_without_grains_and_without_end():
     x = np.arange(4.0)
-    assert observables.front_position(x, np.zeros(4), 0.5) == 0.0
-    assert observables.front_position(x, np.ones(4), 0.5) == 3.0
+    assert pile.front_position(x, np.zeros(4), 0.5) == 0.0
+    assert pile.front_position(x, np.ones(4), 0.5) == 3.0
 
 
 def test_x_99_of_a_uniform_layer():
     x = np.linspace(0.0, 2.0, 21)
     column_volume = np.where(x[:-1] < 0.999, 0.3, 0.0)
-    assert observables.x_at_volume(x, column_volume, 0.99) == pytest.approx(0.99)
-    assert observables.x_at_volume(x, 0.0 * column_volume, 0.99) == 0.0
+    assert pile.x_at_volume(x, column_volume, 0.99) == pytest.approx(0.99)
+    assert pile.x_at_volume(x, 0.0 * column_volume, 0.99) == 0.0
 
 
 def test_detached_volume_of_two_triangles():
     """A triangle of area 1 and, beyond bare ground, one of area 0.25."""
     x = np.linspace(0.0, 4.0, 401)
     h = np.maximum(1.0 - 0.5 * x, 0.0) + np.maximum(0.5 - np.abs(x - 3.0), 0.0)
-    assert observables.detached_volume(x, h) == pytest.approx(0.25 / 1.25, rel=1e-3)
+    assert pile.detached_volume(x, h) == pytest.approx(0.25 / 1.25, rel=1e-3)
 
 
 def test_detached_volume_of_a_whole_pile_is_the_sliver_beyond_one_millimetre():
     x = np.linspace(0.0, 1.0, 101)
     h = 0.1 * (1.0 - x)
-    assert observables.detached_volume(x, h) == pytest.approx((0.001 / 0.1) ** 2, rel=1e-6)
-    assert observables.detached_volume(x, 0.0 * h) == 0.0
+    assert pile.detached_volume(x, h) == pytest.approx((0.001 / 0.1) ** 2, rel=1e-6)
+    assert pile.detached_volume(x, 0.0 * h) == 0.0
 
 
 # -- front velocity and arrest -----------------------------------------------------------------

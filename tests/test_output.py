@@ -11,10 +11,10 @@ from fake_simulation import FakeSimulation, height, length
 import fvcollapse
 from fvcollapse import open_result
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.console.terminal import progress_bar
+from fvcollapse.console.bars import progress_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
-from fvcollapse.output import recorder
 from fvcollapse.output import run as output
+from fvcollapse.output import stored_names
 
 SERIES = [
     "time",
@@ -70,7 +70,7 @@ def test_names_shapes_units(case, folder):
         assert {name: file["series"][name].shape for name in SERIES} == dict.fromkeys(SERIES, (n,))
         assert set(file["series"]) == set(SERIES)
         assert {data.shape for data in file["steps"].values()} == {(n - 1,)}
-        assert set(file["steps"]) == set(recorder.STEPS)
+        assert set(file["steps"]) == set(stored_names.STEPS)
         m, nx = len(file["profiles/time"]), len(file["profiles/x"])
         assert file["profiles/thickness"].shape == file["profiles/static_height"].shape == (m, nx)
         assert sorted(file["fields"], key=int) == ["0", "1", "2", "3"]

@@ -1,20 +1,15 @@
 """The study of the paper: what is read off curves and fields, verdicts, tables, the committed files."""
 
 import math
-from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
 from fvcollapse.case.case import GRAVITY, Case
-from plots import paper, paper_front_slow_phase
 from runs import table
-from runs.paper import cases, extract, measures, members, pressure, statements, study
+from runs.paper import measures, pressure, readings
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Clause, Statement, claims, combined
-from runs.study import main as call
 
-PAPER = table.RUNS / "paper"
 TIME = measures.STEP * np.arange(201)
 
 
@@ -194,7 +189,7 @@ def test_viscosity_of_equation_6():
     """By hand: 0.25 * 1000 / (10 + 0.279/0.035 sqrt(1000))."""
     field = {"pressure": np.array([1000.0]), "shear_rate": np.array([10.0])}
     expected = 0.25 * 1000.0 / (10.0 + 0.279 / 0.035 * math.sqrt(1000.0))
-    assert extract.eta_I(field, Case()) == pytest.approx(expected)
+    assert readings.eta_I(field, Case()) == pytest.approx(expected)
 
 
 # -- verdicts ------------------------------------------------------------------------------------
@@ -248,211 +243,3 @@ def test_a_missing_run_leaves_a_claim_open():
     statement = listed[0].statement(table.Tables("no such folder"))
     assert statement.verdict == OPEN
     assert "not run: muI_a0_w10" in statement.measured()
-
-
-# -- tables --------------------------------------------------------------------------------------
-
-
-def run_row(case, refinement, value, complete=1):
-    size = 6.0 / refinement
-    row = {"case": case, "refinement": refinement, "cell_size_mm": size, "complete": complete}
-    return row | {"value": value, "nothing": math.nan}
-
-
-@pytest.fixture
-def written(tmp_path):
-    """Two cases on both grids, one on the coarse grid only, one that stopped."""
-    rows = [
-        run_row("muI_a22_w10", 1.0, 1.0),
-        run_row("muI_a22_w10", 1.5, 1.1),
-        run_row("eta1_a22_w10", 1.0, 0.8),
-        run_row("eta1_a22_w10", 1.5, 0.92),
-        run_row("back0.18_a22_w10", 1.0, 0.7),
-        run_row("muI_a0_w10", 1.0, 0.5, complete=0),
-    ]
-    table.write_table(tmp_path / "group" / table.SCALARS, rows)
-    run = {"case": "muI_a22_w10", "refinement": 1.0, "cell_size_mm": 6.0}
-    values = np.array([0.2, 0.25, math.nan, -0.00001, 1.5])
-    curve = extract.Curve("odd_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
-    values = np.minimum(0.2 + 0.01 * np.arange(20), 0.3)
-    front = extract.Curve("front_m", math.nan, math.nan, "t_s", 0.0, 0.01, values, 4)
-    dated = extract.Curve("thickness_mm", 1.76, math.nan, "x_m", 0.0, 0.006, 100 * values[:2], 1)
-    lines = [table.curve_row(run, of) for of in (curve, front, dated)]
-    table.write_table(tmp_path / "group" / table.CURVES, lines)
-    return table.Tables(tmp_path)
-
-
-def test_numbers_and_their_uncertainty(written):
-    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.3))  # finer grid
-    assert written.value("back0.18_a22_w10", "value") == pytest.approx((0.7, 0.3))  # of muI
-    assert math.isnan(written.value("muI_a22_w10", "nothing").value)
-    assert written.cell_size("muI_a22_w10", 1.5) == 4.0
-
-
-def test_where_there_is_a_convergence_study_its_index_is_the_uncertainty(written):
-    assert written.index("muI_a22_w10", "runout_5mm_m") > 0.0
-    assert written.index("eta1_a22_winf", "runout_5mm_m") > 0.0
-    assert written.index("muI_a22_w10", "value") == 0.0
-    assert written.index("muI_a10_w10", "runout_5mm_m") == 0.0
-
-
-def test_what_two_runs_share_is_no_uncertainty_of_their_difference(written):
-    found = written.difference("muI_a22_w10", "eta1_a22_w10", "value")
-    assert found == pytest.approx((0.18, 0.06))
-    found = written.difference("muI_a22_w10", "back0.18_a22_w10", "value")
-    assert found == pytest.approx((0.3, math.hypot(0.3, 0.3)))
-
-
-def test_curves_are_read_back(written):
-    line = written.line("muI_a22_w10", "odd_m")
-    np.testing.assert_allclose(line.at, 0.01 * np.arange(5))
-    np.testing.assert_array_equal(line.values, [0.2, 0.25, math.nan, 0.0, 1.5])
-    np.testing.assert_allclose(written.line("muI_a22_w10", "thickness_mm", 1.76).values, [20, 21])
-
-
-def test_velocity_follows_from_the_front(written):
-    line = written.line("muI_a22_w10", table.VELOCITY)
-    assert np.isnan(line.values[: measures.EARLIEST]).all()
-    assert line.values[-1] == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda of: of.row("muI_a0_w10"),  # stopped before its end
-        lambda of: of.row("muI_a22_w10", 2.0),
-        lambda of: of.line("muI_a22_w10", "thickness_mm", 0.5),
-        lambda of: of.columns("muI_a22_w10", "shear_per_s"),
-    ],
-)
-def test_what_is_not_there_is_named(written, ask):
-    with pytest.raises(table.MissingRun, match="muI_a"):
-        ask(written)
-
-
-def test_reference_has_the_same_slope_and_width():
-    assert table.reference("mu38_bed38_a10_winf") == "muI_a10_winf"
-    assert table.reference("rate_min5e-3_a22_winf") == "muI_a22_winf"
-
-
-# -- cases ---------------------------------------------------------------------------------------
-
-
-def test_every_case_is_listed_once_and_is_a_case():
-    found = cases.runs(cases.GROUPS, 0.006)  # raises if a case is refused or listed twice
-    physics = {}
-    for run, (_, name, refinement, case) in found.items():
-        same = case.replace(**{"time.end": 1.0, "time.output_times": ()}).to_toml()
-        assert same not in physics, f"{run} is {physics[same]} again"
-        physics[same] = run
-        assert refinement == 1.0 or case.grid.cell_size < 0.006, name
-    for group in cases.GROUPS.values():
-        for member in group.values():
-            assert set(member.keep) <= set(extract.KEPT)
-            assert set(member.profiles) <= set(cases.TIMES)
-
-
-# -- the command ---------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def short(monkeypatch):
-    """One short case on two coarse grids instead of all."""
-    settings = cases.collapse(22, "w10", end=0.12)
-    keep = tuple(extract.KEPT)
-    listed = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
-    for module in (cases, study, members):
-        monkeypatch.setattr(module, "GROUPS", {"lateral_friction": listed})
-    shorter = replace(study.STUDY, parts={"lateral_friction": listed})
-    monkeypatch.setattr(study, "main", partial(call, shorter))
-    return listed
-
-
-def study_in(folder, *arguments):
-    options = ["--out", str(folder / "runs"), "--tables", str(folder)]
-    return study.main([*options, "--workers", "1", "--cell-size", "0.035", *arguments])
-
-
-def test_study_writes_tables_and_runs_nothing_twice(short, tmp_path, monkeypatch):
-    assert study_in(tmp_path) == 0
-    found = table.Tables(tmp_path)
-    assert found.row("muI_a22_w10", 1.5)["cell_size_mm"] == pytest.approx(35.0 / 1.5, rel=1e-5)
-    assert found.row("muI_a22_w10")["cpu_s"] > 0.0
-    assert found.line("muI_a22_w10", "front_m").values[0] == pytest.approx(0.2, abs=0.002)
-    assert found.line("muI_a22_w10", "thickness_mm", 0.1).values.max() > 100.0
-    first = (tmp_path / "lateral_friction" / table.CURVES).read_bytes()
-    monkeypatch.setattr("fvcollapse.output.run.Simulation", None)  # a second run would need it
-    assert study_in(tmp_path) == 0
-    assert (tmp_path / "lateral_friction" / table.CURVES).read_bytes() == first
-
-
-def test_a_run_that_stopped_is_left_out_and_named(short, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(study, "run_in_folders", lambda *_: None)
-    assert study_in(tmp_path) == 1
-    assert "muI_a22_w10_35mm" in capsys.readouterr().err
-    assert not (tmp_path / "lateral_friction").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["figure_3"], "PART: found figure_3; allowed: lateral_friction"),
-        (["--workers", "0"], "--workers: found 0"),
-        (["--cell-size", "0.2"], "--cell-size 0.2: grid.cell_size"),
-    ],
-)
-def test_bad_arguments_are_one_line(tmp_path, capsys, arguments, words):
-    assert study_in(tmp_path, *arguments) == 2
-    captured = capsys.readouterr().err
-    assert words in captured
-    assert captured.count("\n") == 1
-
-
-# -- the committed tables ------------------------------------------------------------------------
-
-
-def test_committed_tables_are_readable_and_small():
-    found = table.Tables(PAPER)
-    assert found.scalars
-    for row in found.scalars.values():
-        assert row["complete"] == 1.0
-    for lines in found.curves.values():
-        for line in lines:
-            assert np.isfinite(table.as_line(line).values).any()
-    size = sum(path.stat().st_size for path in PAPER.glob("**/*.csv"))
-    assert size < 650_000
-
-
-def test_committed_statements_follow_from_the_committed_tables(tmp_path):
-    found = statements.all_statements(table.Tables(PAPER))
-    text = (PAPER / "statements.md").read_text(encoding="utf-8")
-    for number, statement in enumerate(found, start=1):
-        assert f"| {number} | {statement.place} | {statement.claim} | " in text
-        assert statement.measured().replace("|", "/") in text
-    rows = table.read_table(PAPER / "statements.csv")
-    assert [row["verdict"] for row in rows] == [
-        row["verdict"] for row in statements.clause_rows(found)
-    ]
-
-
-def test_figures_and_statements_share_what_a_slow_phase_is():
-    assert paper_front_slow_phase.PLATEAU_LEAST == measures.PLATEAU_LEAST
-
-
-def test_the_labels_of_the_sensitivities_are_those_of_the_cases(tmp_path):
-    study.write_labels(tmp_path / table.LABELS)
-    stored = PAPER / "sensitivity" / table.LABELS
-    assert (tmp_path / table.LABELS).read_bytes() == stored.read_bytes()
-
-
-@pytest.mark.slow
-def test_everything_is_remade(tmp_path, monkeypatch):
-    """All cases on the coarsest grids that are allowed, the statements and the figures."""
-    monkeypatch.setattr("plots.paper_style.FIGURES", tmp_path / "figures")
-    options = ["--out", str(tmp_path / "runs"), "--tables", str(tmp_path), "--cell-size", "0.035"]
-    assert study.main(options) in (0, 1)  # on such grids a run may fail; it is named and left out
-    paper.main(tmp_path)
-    of = table.Tables(tmp_path)
-    assert len(of.scalars) > 150
-    assert (tmp_path / "statements.md").exists()
-    assert len(list((tmp_path / "figures").glob("*.png"))) > 10

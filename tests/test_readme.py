@@ -17,7 +17,7 @@ from readme_blocks import (
     run_blocks,
 )
 
-from fvcollapse.__main__ import command_line
+from fvcollapse.commands.command_line import make_parser
 from runs.readme import COMMAND, PARTS, main, part, parts_of, readmes, remade
 from runs.study import parse
 
@@ -95,7 +95,7 @@ def test_commands_of_the_studies_can_be_called(path):
     for call in CALL.findall(text):
         program, *words = split(call.replace("FOLDER", str(ROOT)), comments=True)
         if program == "fvcollapse":
-            command_line().parse_args(words)
+            make_parser().parse_args(words)
         elif words[1] not in PLACEHOLDERS:
             module = import_module(words[1])
             if hasattr(module, "STUDY"):

@@ -10,14 +10,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 LONG = """
 import sys
-from fvcollapse import __main__ as command_line
+from fvcollapse.commands import keys
+from fvcollapse.commands.command_line import main
 def printing(arguments):
     for number in range(20000):
         print("0123456789 \\u00b0 \\udcff", number, flush=number % 100 == 0)
     print("kept", file=open(sys.argv[1], "w"))
     return int(sys.argv[2])
-command_line.keys = printing
-sys.exit(command_line.main(["keys"]))
+keys.execute = printing
+sys.exit(main(["keys"]))
 """
 full = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 

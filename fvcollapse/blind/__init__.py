@@ -1,7 +1,9 @@
 """The blind check: sealed synthetic experiments, and the scores of the answers to them.
 
-`generator` draws what is hidden, `outside` holds the causes that no catalogue knows, `truth` runs
-them, `measurement` reads them off as a laboratory would, `make` writes the experiment folders and
-the seal, `score` opens it, `suite` trains the verdict of the diagnosis on cases of the same kind.
-Nothing in `fvcollapse.diagnosis` imports from here.
+- What is hidden: `set_ups`, `causes`, `outside` (causes outside the catalogue), `generator` (labels drawn).
+- How it is sealed: `truth` (runs), `measurement` (films of the runs), `labels`, `seal`, `make`.
+- How it is answered: `case_evidence`, `evidence_file`, `answers`, `simple_rules`, `verdict_training`.
+- How it is scored: `outcomes`, `metrics`, `calibration`, `comparisons`, `distances`, `score`, `score_table`.
+
+`forms` holds the forms of the files. Nothing in `fvcollapse.diagnosis` imports from here.
 """

@@ -1,4 +1,4 @@
-"""The forms of labels, seal and answers: what a file of others must be before anything is done with it.
+"""The forms of labels, seal and answers: what a file of others must be before it is used.
 
 Names of cases and of experiments become names of folders: they are `case_<digits>`, and those of the
 set-ups that are known.
@@ -9,7 +9,7 @@ from typing import Annotated
 
 import msgspec
 
-from fvcollapse.blind.generator import SET_UPS
+from fvcollapse.blind.set_ups import SET_UPS
 from fvcollapse.case.grammar import closest_name, show
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -238,7 +238,7 @@ def is_name(name):
     if name in (NONE, UNKNOWN):
         return True
     parts = name.split("+")
-    known = {each for each, effect in CATALOGUE.items() if effect.kind != NUISANCE}
+    known = {effect for effect, about in CATALOGUE.items() if about.kind != NUISANCE}
     return 1 <= len(parts) <= 2 and set(parts) <= known and parts == sorted(set(parts))
 
 

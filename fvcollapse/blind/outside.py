@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.measure.observables import front_position
+from fvcollapse.measure.pile import front_position
 
 REST = 0.05  # m/s; friction of a force rises linearly up to this speed, so that rest stays rest
 BRAKE_MAX = 0.5  # largest part of the velocity that a force takes in one step

@@ -1,38 +1,18 @@
-"""Opening the seal: answers against labels, beside answers that need no thought.
+"""Answers against labels, beside answers that ignore the data."""
 
-Nothing is scored unless every label, and every case that is still there, is what the seal says.
-"""
-
-import json
 import math
-import os
 from collections import Counter
-from hashlib import sha256
 from pathlib import Path
 
-from fvcollapse.blind.forms import Seal, answer_problems, read_form, refuse_names
-from fvcollapse.blind.make import (
-    SEAL,
-    SEAL_FORMAT,
-    canonical,
-    data_digest,
-    label_digest,
-    read_labels,
-)
-from fvcollapse.blind.metrics import (
-    Outcome,
-    all_scores,
-    class_of,
-    mcnemar,
-    parameter_scores,
-    ranking,
-    reduction_scores,
-)
+from fvcollapse.blind.comparisons import mcnemar, parameter_scores, reduction_scores
+from fvcollapse.blind.forms import answer_problems
+from fvcollapse.blind.labels import read_labels
+from fvcollapse.blind.metrics import all_scores, ranking
+from fvcollapse.blind.outcomes import Outcome, class_of
+from fvcollapse.blind.seal import check_seal
 from fvcollapse.case.grammar import closest_name
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
 from fvcollapse.errors import InputError
-from fvcollapse.files.atomic import write_atomic
-from fvcollapse.output.forms import form_problems
 from fvcollapse.output.json_files import read_object
 
 SEPARABLE = 3.0  # d of diagnosis: distance to the nearest other hypothesis in standard deviations
@@ -67,8 +47,10 @@ def score(folder, answers, labels, against=(), separability=None):
     outcomes = outcomes_of(plan["cases"], given)
     table = {"seal": seal, "data_checked": checked} | all_scores(outcomes)
     table["parameters"] = parameter_scores(parameter_rows(plan["cases"], given))
-    named = [one for one in given.values() if one["verdict"] in NAMED and "reduction" in one]
-    table["reduction"] = reduction_scores([one["reduction"] for one in named])
+    named = [
+        answer for answer in given.values() if answer["verdict"] in NAMED and "reduction" in answer
+    ]
+    table["reduction"] = reduction_scores([answer["reduction"] for answer in named])
     if separability is not None:
         distances = read_distances(separability, plan["cases"])
         table["by_separability"] = by_separability(plan["cases"], outcomes, distances)
@@ -77,73 +59,6 @@ def score(folder, answers, labels, against=(), separability=None):
         other = outcomes_of(plan["cases"], read_answers(path, plan["cases"]))
         table["baselines"][Path(path).stem] = summary(outcomes, other)
     return table
-
-
-def write_scores(path, table):
-    """Write the scores as JSON."""
-    write_atomic(path, scores_text(table).encode(), running=False)
-
-
-def scores_text(table):
-    """The scores as JSON text."""
-    return json.dumps(table, indent=1) + "\n"
-
-
-# -- what is read ------------------------------------------------------------------------------------------
-
-
-def check_seal(folder, plan, labels):
-    """(overall hash, number of cases whose data were compared with the seal).
-
-    Raises
-    ------
-    InputError
-        Labels or data are not those that were sealed.
-    """
-    seal = read_seal(folder / SEAL)
-    overall, cases = seal["seal"], seal["cases"]
-    if set(cases) != set(plan["cases"]):
-        raise InputError(labels, "cases", "other cases than the seal", f"those of {folder / SEAL}")
-    checked = 0
-    for name, entry in plan["cases"].items():
-        if label_digest(entry) != cases[name]["label"]:
-            broken = "a label that is not the sealed one"
-            raise InputError(labels, f"cases.{name}", broken, f"the one of {folder / SEAL}")
-        if os.path.isdir(folder / name):
-            checked += 1
-            if readable_digest(folder / name) != cases[name]["data"]:
-                raise InputError(folder / name, "folder", "other data than sealed", "as sealed")
-    if seal_digest(cases) != overall:
-        raise InputError(folder / SEAL, "seal", "a hash that is not of its cases", "as written")
-    return overall, checked
-
-
-def read_seal(path):
-    """The content of a seal.
-
-    Raises
-    ------
-    InputError
-    """
-    seal = read_form(path, SEAL_FORMAT)
-    refuse_names(path, seal["cases"])
-    for refusal in form_problems(seal, Seal):
-        raise InputError(path, *refusal)
-    return seal
-
-
-def readable_digest(folder):
-    """The `data_digest` of a folder; InputError if something in it cannot be read."""
-    try:
-        return data_digest(folder)
-    except OSError as error:
-        found = (error.strerror or str(error)).lower()
-        raise InputError(error.filename or folder, "file", found, "data that can be read") from None
-
-
-def seal_digest(cases):
-    """The overall hash of the cases of a seal."""
-    return sha256(canonical(cases)).hexdigest()
 
 
 def read_answers(path, cases):
@@ -180,11 +95,8 @@ def read_distances(path, cases):
     return table
 
 
-# -- what is compared --------------------------------------------------------------------------------------
-
-
 def outcomes_of(cases, answers):
-    """One `Outcome` per case."""
+    """The `Outcome` of every case."""
     return [
         Outcome(
             entry["label"]["cause"],
@@ -198,33 +110,33 @@ def outcomes_of(cases, answers):
 
 
 def parameter_rows(cases, answers):
-    """True and found values of the parameters of every effect that acts and was answered for."""
+    """True and estimated values of the parameters of every effect that acts and was answered for."""
     rows = []
     for name, entry in cases.items():
         for effect, drawn in entry["label"]["effects"].items():
-            found = answers[name].get("parameters", {}).get(effect, {})
-            for parameter in sorted(set(found) & set(drawn["quantiles"])):
-                rows.append(found[parameter] | {"true": drawn["section"][parameter]})
+            estimates = answers[name].get("parameters", {}).get(effect, {})
+            for parameter in sorted(set(estimates) & set(drawn["quantiles"])):
+                rows.append(estimates[parameter] | {"true": drawn["section"][parameter]})
     return rows
 
 
 def by_separability(cases, outcomes, distances):
-    """First name of single effects that the data can tell from all others, and of those they cannot."""
+    """`ranking` of single effects that the data can separate from all others, and of the other single effects."""
     single = [
-        (distances[name], one)
-        for name, one in zip(cases, outcomes, strict=True)
-        if class_of(one.truth) == "single" and name in distances
+        (distances[name], outcome)
+        for name, outcome in zip(cases, outcomes, strict=True)
+        if class_of(outcome.truth) == "single" and name in distances
     ]
     groups = {
-        "separable": [one for d, one in single if d >= SEPARABLE],
-        "not_separable": [one for d, one in single if d < SEPARABLE],
+        "separable": [outcome for d, outcome in single if d >= SEPARABLE],
+        "not_separable": [outcome for d, outcome in single if d < SEPARABLE],
     }
     return {"d": SEPARABLE} | {name: ranking(group) for name, group in groups.items() if group}
 
 
 def baselines(cases, outcomes):
-    """What answers earn that do not look at the data."""
-    counts = Counter(one.truth for one in outcomes)
+    """Scores of answers that ignore the data."""
+    counts = Counter(outcome.truth for outcome in outcomes)
     rates = {name: count / len(outcomes) for name, count in counts.items()}
     constant = {
         f"always_{ALWAYS}": ("effect", {ALWAYS: 1.0}),
@@ -235,12 +147,12 @@ def baselines(cases, outcomes):
         name: summary(
             outcomes,
             [
-                one._replace(
+                outcome._replace(
                     verdict=verdict,
                     probability=probability,
                     names=(max(probability, key=probability.get),),
                 )
-                for one in outcomes
+                for outcome in outcomes
             ],
         )
         for name, (verdict, probability) in constant.items()
@@ -269,76 +181,3 @@ def summary(outcomes, other):
         "confident_errors": scores["calibration"]["confident_errors"],
         "mcnemar": mcnemar(outcomes, other),
     }
-
-
-def answer_of(report):
-    """The answer that a report of the diagnosis gives."""
-    verdict, rungs = report.verdict, {rung.model: rung for rung in report.details.ladder}
-    answer = {
-        "verdict": verdict.kind,
-        "probability": verdict.probability,
-        "set": list(verdict.set),
-        "parameters": {
-            name: {
-                key: {"value": each.value, "low": each.low, "high": each.high}
-                for key, each in report.candidates[name].parameters.items()
-                if each.low is not None and each.high is not None
-            }
-            for name in verdict.effects
-            if name in report.candidates
-        },
-    }
-    if "winner" in rungs:
-        fitted, second = rungs["winner"].fitted, rungs.get("runner_up")
-        winner = rungs["winner"].held_out or fitted
-        second = (second.held_out or second.fitted) if second else None
-        answer["reduction"] = {
-            "predicted": fitted.predicted,  # by the emulator, which knows the fitted experiments
-            "actual": fitted.fraction_closed,
-            "winner": winner.fraction_closed,
-            "runner_up": second.fraction_closed if second else None,
-        }
-    return answer
-
-
-# -- in words ----------------------------------------------------------------------------------------------
-
-
-def table(scores):
-    """The main scores as plain text."""
-    single = scores["by_class"].get("single", {})
-    separable = scores.get("by_separability", {}).get("separable", {})
-    alarms, calibration = scores["alarms"], scores["calibration"]
-    rows = [
-        ("first name right", scores["all"]["top_1"]),
-        ("among the first two", scores["all"]["top_2"]),
-        ("first name right, single effects", single.get("top_1")),
-        ("the same where the data can tell", separable.get("top_1")),
-        ("truth in the set", scores["all"]["set_holds_truth"]),
-        ("mean size of the set", scores["all"]["mean_set_size"]),
-        ("false alarms where there is nothing", alarms["false_alarm_on_none"]),
-        ("unknown found", alarms["unknown"]["found"]),
-        *((f"  {kind}", each["found"]) for kind, each in alarms["unknown_by_kind"].items()),
-        ("unknown wrongly named", alarms["unknown"]["wrongly_named"]),
-        ("confident errors", calibration["confident_errors"]),
-        ("Brier score", scores["sharpness"]["brier"]),
-        ("skill of the Brier score", scores["sharpness"]["brier_skill"]),
-        ("reduction predicted within 0.15", scores["reduction"]["within_tolerance"]),
-        ("winner beats runner-up", scores["reduction"]["winner_beats_runner_up"]),
-        ("90 % intervals hold the parameter", scores["parameters"]["interval_90_covers"]),
-    ]
-    lines = [line(name, each) for name, each in rows if each and each["value"] is not None]
-    ece = calibration["ece_5_bins"]
-    lines.append(
-        f"{'calibration error, 5 bins':40s}{ece['value']:6.3f}  (perfect: up to {ece['perfect_95']:.3f})"
-    )
-    for name, each in scores["baselines"].items():
-        lines.append(line(f"first name right, {name}", each["top_1"]))
-    return "\n".join(lines)
-
-
-def line(name, each):
-    """One row of the table."""
-    return (
-        f"{name:40s}{each['value']:6.3f}  [{each['low']:.3f}, {each['high']:.3f}]  n = {each['n']}"
-    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from fvcollapse.blind.outside import brake, read_wrongly
 from fvcollapse.case.case import case_from_text
-from fvcollapse.console.terminal import progress_bar
+from fvcollapse.console.bars import progress_bar
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import as_grid
 from fvcollapse.measure.observables import observe

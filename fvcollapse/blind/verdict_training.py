@@ -1,185 +1,119 @@
-"""Fit of the verdict layer to synthetic cases whose cause is known.
+"""The verdict layer of the diagnosis, fitted to the evidence and the labels of training suites."""
 
-How far a hypothesis is behind the best one counts alike for all effects, up to small differences that
-the cases must pay for: with a slope for every effect on every other one (multinomial, 20 features, 14
-classes) the same cases left out were judged worse (log score 1.30 against 1.17, unknown found 35 against
-61 %). The errors of the layer on cases left out give the conformal p-values.
-
-References
-----------
-Vovk (2015), Ann. Math. Artif. Intell. 74, 9 (cross-conformal); McFadden (1974), in Frontiers in Econometrics, 105
-(conditional logit).
-"""
-
-from typing import NamedTuple
+from pathlib import Path
 
 import numpy as np
-from scipy.optimize import minimize
 
-from fvcollapse.diagnosis.verdict_features import class_of, features, known_logits
-from fvcollapse.diagnosis.verdict_model import (
-    PRIOR,
-    VerdictModel,
-    class_prior,
-    logits,
-    softmax,
-    solver_of,
-    standardised,
-)
-from fvcollapse.errors import InputError
+from fvcollapse.blind.causes import BLIND, TRAINING, draw_pair, known_effects
+from fvcollapse.blind.evidence_file import read_evidence
+from fvcollapse.blind.labels import Draw, read_labels
+from fvcollapse.blind.make import make
+from fvcollapse.blind.metrics import all_scores
+from fvcollapse.blind.outcomes import Outcome
+from fvcollapse.blind.verdict_fit import FOLDS, fit
+from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
+from fvcollapse.diagnosis.verdict import verdict
+from fvcollapse.diagnosis.verdict_features import class_of
+from fvcollapse.studies.workers import HERE
 
-# L2 penalties, for each case: of what effects share (and none, unknown and two effects have of their own), of
-# what an effect differs by, and of the numbers of a whole case
-PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
-FOLDS = 5
+SHARES = {NONE: 1.5, UNKNOWN: 1.5, SEVERAL: 1.0}  # cases of a class over those of an effect
 
 
-def fit(suite, effects, about=None, kinds=None):
-    """The `VerdictModel` of a suite.
+def training_classes(per_class, seed):
+    """Causes of a training suite in random order, so that its first cases are a smaller suite.
 
     Parameters
     ----------
-    suite : sequence of (Evidence, str)
-        Evidence and true cause of every case: an effect, two joined by "+", "none" or "unknown".
-    effects : sequence of str
-        Effects of the catalogue.
-    about : dict, optional
-        What the suite is, kept with the model.
-    kinds : sequence of str or None, optional
-        Kind of each unknown: its conformal scores are of models that have not seen its kind.
-
-    Raises
-    ------
-    InputError
-        Fewer than `FOLDS` cases of a class.
+    per_class : int
+        Cases of every effect; of the other classes `SHARES` times that.
+    seed : int
     """
-    effects = tuple(effects)
-    truth = np.array([class_of(cause) for _, cause in suite])
-    classes = tuple(sorted({class_of(cause) for _, cause in suite}))
-    for name in classes:
-        count = int(np.count_nonzero(truth == name))
-        if count < FOLDS:
-            raise InputError("suite", name, f"{count} cases", f">= {FOLDS} of every class")
-    rows = [features(evidence, classes) for evidence, _ in suite]
-    own, case = (np.array(part) for part in zip(*rows, strict=True))
-    of_effects = own[:, [is_effect(name) for name in classes]]
-    mean, scale = np.nanmean(of_effects, axis=(0, 1)), spread(np.nanstd(of_effects, axis=(0, 1)))
-    case_mean, case_scale = case.mean(axis=0), spread(case.std(axis=0))
-    table = Table(
-        standardised(own, mean, scale),
-        standardised(case, case_mean, case_scale),
-        np.array([known_logits(evidence, classes) for evidence, _ in suite]),
-        ~np.isnan(own[:, :, 0]),
-        np.array([classes.index(name) for name in truth]),
-    )
-    scores = out_of_fold(table, classes, kinds)
-    slopes, case_slopes, intercept = regression(table, classes)
-    return VerdictModel(
-        effects=effects,
-        classes=classes,
-        mean=mean,
-        scale=scale,
-        case_mean=case_mean,
-        case_scale=case_scale,
-        slopes=slopes,
-        case_slopes=case_slopes,
-        intercept=intercept,
-        calibration={name: np.sort(scores[truth == name]) for name in classes},
-        solver=solver_of(effects),
-        about={"cases": len(suite)} | (about or {}),
-    )
+    classes = [name for name in known_effects() for _ in range(per_class)]
+    counts = {name: round(share * per_class) for name, share in SHARES.items()}
+    classes += [NONE] * counts[NONE] + [UNKNOWN] * counts[UNKNOWN]
+    rng = np.random.default_rng([seed, 1])
+    classes += [draw_pair(rng) for _ in range(counts[SEVERAL])]
+    return rng.permutation(classes).tolist()
 
 
-class Table(NamedTuple):
-    """Features of m cases (m, K, p), (m, q), known logits and what was compared (m, K), true class (m,)."""
-
-    own: np.ndarray
-    case: np.ndarray
-    offset: np.ndarray
-    compared: np.ndarray
-    truth: np.ndarray
-
-    def of(self, rows):
-        """Some of the cases."""
-        return Table(*(part[rows] for part in self))
+def make_training(classes, folder, seed, resources=HERE):
+    """Make a training suite of these causes; see `make`."""
+    return make(len(classes), folder, None, Draw(TRAINING, classes, seed), resources)
 
 
-def is_effect(name):
-    """Whether a class is a single effect."""
-    return name not in PRIOR
+def read_suite(out, labels):
+    """{case: (Evidence, entry of the labels)} of a suite whose labels are known."""
+    cases = read_labels(labels)["cases"]
+    return {
+        name: (read_evidence(Path(out) / f"{name}.json")[1], entry)
+        for name, entry in cases.items()
+        if (Path(out) / f"{name}.json").exists()
+    }
 
 
-def spread(deviations):
-    """Standard deviations, 1 where nothing varies."""
-    return np.where(deviations > 1.0e-9, deviations, 1.0)
+def train(suites, about=None):
+    """The `VerdictModel` of one or more suites.
 
+    Kinds of unknown that blind suites hide are left out: the next blind suite hides them too.
 
-def regression(table, classes):
-    """(slopes (K, p), slopes of a case (K, q), intercept (K,)) of the conditional logistic regression.
-
-    Cases are weighted so that classes count as their prior, whatever their number. A case whose cause
-    was not compared teaches nothing.
+    Parameters
+    ----------
+    suites : sequence of (str or Path, str or Path)
+        Folder of the evidence, and labels, of each.
     """
-    rows = np.arange(len(table.truth))
-    table = table.of(table.compared[rows, table.truth])
-    m, kinds, p = table.own.shape
-    q, rows = table.case.shape[1], np.arange(m)
-    counts, prior = np.bincount(table.truth, minlength=kinds), class_prior(classes)
-    weights = np.array([prior[name] for name in classes])[table.truth] / counts[table.truth]
-    effect = np.array([is_effect(name) for name in classes])[:, None]
-    parts = np.split(np.arange(p + kinds * (p + q + 1)), [p, p + kinds * p, p + kinds * (p + q)])
-
-    def unpacked(values):
-        shared, own, case, intercept = (values[part] for part in parts)
-        return shared, own.reshape(kinds, p), case.reshape(kinds, q), intercept
-
-    penalties = np.empty(p + kinds * (p + q + 1))
-    penalties[parts[0]] = penalties[parts[3]] = PENALTY
-    penalties[parts[1]] = np.where(effect, PENALTY_OWN, PENALTY).repeat(p, axis=1).ravel()
-    penalties[parts[2]] = np.where(effect, 3.0, 1.0).repeat(q, axis=1).ravel() * PENALTY_CASE
-
-    def loss(values):
-        shared, own, case, intercept = unpacked(values)
-        shares = softmax(logits(*table[:-1], (effect * shared + own, case, intercept)))
-        value = -weights @ np.log(np.maximum(shares[rows, table.truth], 1.0e-300))
-        shares[rows, table.truth] -= 1.0
-        shares *= weights[:, None]
-        by_class = np.einsum("mk,mkp->kp", shares, table.own)
-        gradient = np.concatenate(
-            [
-                (effect * by_class).sum(axis=0),
-                by_class.ravel(),
-                (shares.T @ table.case).ravel(),
-                shares.sum(axis=0),
-            ]
-        )
-        value += 0.5 * (penalties * values) @ values
-        return value, gradient + penalties * values
-
-    start = np.zeros(len(penalties))
-    found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": 2000})
-    shared, own, case, intercept = unpacked(found.x)
-    return effect * shared + own, case, intercept
+    return fit_to([pair for suite in suites for pair in read_suite(*suite).values()], about)
 
 
-def out_of_fold(table, classes, kinds=None, seed=0):
-    """1 - probability of the true class, (m,), each case judged by a model fitted without its fold.
+def may_teach(pair):
+    """Whether an (Evidence, entry of the labels) hides no kind of unknown that is kept for blind suites."""
+    return pair[1]["label"]["unknown_kind"] not in BLIND.unknowns
 
-    Cases of one kind are in one fold: what is unknown is of a kind that was never seen.
+
+def fit_to(pairs, about=None):
+    """The `VerdictModel` of (Evidence, entry of the labels) pairs, of those that may teach."""
+    pairs = [pair for pair in pairs if may_teach(pair)]
+    cases = [(evidence, entry["label"]["cause"]) for evidence, entry in pairs]
+    kinds = [entry["label"]["unknown_kind"] for _, entry in pairs]
+    return fit(cases, known_effects(), about, kinds)
+
+
+def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
+    """All scores of suites whose every case is judged by a model that was fitted without it.
+
+    Parameters
+    ----------
+    suites : sequence of (str or Path, str or Path)
+        See `train`.
+    leave_kind_out : bool
+        A model that judges a kind of unknown is fitted without that kind.
     """
-    truth = table.truth
-    fold, rng = np.empty(len(truth), int), np.random.default_rng(seed)
-    for name in range(len(classes)):
-        own = np.flatnonzero(truth == name)
-        fold[own] = rng.permutation(len(own)) % FOLDS
-    kinds = np.array([kind or "" for kind in kinds or [None] * len(truth)])
-    several = sorted(set(kinds) - {""})
-    for number, kind in enumerate(several if len(several) > 1 else ()):
-        fold[kinds == kind] = number % FOLDS
-    scores = np.empty(len(truth))
-    for number in range(FOLDS):
-        own = table.of(fold == number)
-        found = regression(table.of(fold != number), classes)
-        shares = softmax(logits(*own[:-1], found))
-        scores[fold == number] = 1.0 - shares[np.arange(len(own.truth)), own.truth]
-    return scores
+    cases = [pair for suite in suites for pair in read_suite(*suite).values()]
+    part = parts_of([entry["label"] for _, entry in cases], folds, leave_kind_out, seed)
+    outcomes = []
+    for number in np.unique(part):
+        model = fit_to([case for case, of in zip(cases, part, strict=True) if of != number])
+        for (evidence, entry), of in zip(cases, part, strict=True):
+            if of == number:
+                judged, label = verdict(evidence, model), entry["label"]
+                answer = judged.kind, judged.probability, judged.set
+                outcomes.append(Outcome(label["cause"], label["unknown_kind"], *answer))
+    return all_scores(outcomes)
+
+
+def parts_of(labels, folds, leave_kind_out, seed):
+    """Number of the part that each case is left out with: its fold, or its kind of unknown.
+
+    The cases of a class are spread evenly over the folds, at random.
+    """
+    rng, groups = np.random.default_rng(seed), {}
+    for number, label in enumerate(labels):
+        kind = label["unknown_kind"] if leave_kind_out else None
+        groups.setdefault((class_of(label["cause"]), kind), []).append(number)
+    kinds = sorted({kind for _, kind in groups if kind})
+    part = np.empty(len(labels), int)
+    for (_, kind), members in groups.items():
+        if kind is None:
+            part[rng.permutation(members)] = np.arange(len(members)) % folds
+        else:
+            part[members] = folds + kinds.index(kind)
+    return part

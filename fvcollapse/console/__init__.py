@@ -1,1 +1,1 @@
-"""Log, progress bar and signals."""
+"""The console: progress bars, what is printed, and what a signal does."""

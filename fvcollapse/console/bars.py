@@ -1,14 +1,41 @@
-"""The progress bar of every command: `tqdm`, whose lock is for the threads of one process only.
+"""Progress bars on stderr; none where stderr is no terminal.
 
-Bars of different processes never share a line here. The lock that tqdm would make by default is a
-semaphore of the system: it starts a further process that watches it, and that complains of it when the
-process it belongs to is killed.
+Their lock is for the threads of one process only: bars of different processes never share a line here.
+The default lock of tqdm is a semaphore of the system. It starts a further process to watch it, which
+complains when the process of the bar is killed.
 """
 
+import shutil
+import sys
 import threading
 
 from tqdm import tqdm
 
-__all__ = ["tqdm"]
-
 tqdm.set_lock(threading.RLock())
+
+
+def progress_bar(case, start, quiet):
+    """Bar over the simulated time with step, dt and ETA, on stderr."""
+    layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
+    terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room at all
+    return tqdm(
+        total=max(case.time.end, start),
+        initial=start,
+        file=sys.stderr,
+        bar_format=layout,
+        ncols=terminal.columns,
+        nrows=terminal.lines,
+        leave=None,  # below a bar over several runs it goes when it is full
+        disable=quiet or not sys.stderr.isatty(),
+    )
+
+
+def runs_bar(total, quiet):
+    """Bar over the runs, with ETA, on stderr."""
+    return tqdm(
+        total=total,
+        unit="run",
+        file=sys.stderr,
+        disable=quiet or not sys.stderr.isatty(),
+        dynamic_ncols=True,
+    )

@@ -1,10 +1,10 @@
 """Files that appear whole or not at all, whatever ends the process that writes them.
 
 A file is written beside its destination, forced to the disk and then put in place in one atomic move:
-at any instant the destination is the last complete version. The temporary file has a random name of
-which nobody can guess what it will be, is made exclusively and for its owner alone, and is locked by
-its writer for as long as it is there. One whose lock is free was left by a process that was killed: the
-next file that is written into the folder removes it.
+at any instant the destination is the last complete version. The temporary file has a random name
+that nobody can guess, is made exclusively and for its owner alone, and is locked by its writer as long
+as it exists. A temporary file whose lock is free was left by a process that was killed: the next write
+into the folder removes it.
 """
 
 import os
@@ -13,11 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from fvcollapse.errors import OutputError
-
-try:
-    import fcntl
-except ImportError:  # on Windows, where nothing that was left is removed
-    fcntl = None
+from fvcollapse.files.locks import fcntl, try_lock
 
 PREFIX, SUFFIX = ".fvcollapse-", ".tmp"  # of temporary files
 PRIVATE, USUAL = 0o600, 0o666  # modes; the second one before the mask of the process
@@ -68,7 +64,7 @@ def locked_temporary(folder):
     while True:
         handle, name = tempfile.mkstemp(SUFFIX, PREFIX, folder)
         try:
-            taken = not lock(handle)
+            taken = not try_lock(handle)
         except OSError:  # a file system without locks, where nobody removes it either
             taken = False
         if not taken and still_there(handle, name):
@@ -78,27 +74,16 @@ def locked_temporary(folder):
 
 def remove_stale(folder):
     """Remove the temporary files in a folder whose writer is dead; those of living ones are locked."""
-    if fcntl is None:
+    if fcntl is None:  # on Windows, where nobody can tell whether a writer lives
         return
     for path in Path(folder).glob(f"{PREFIX}*{SUFFIX}"):
         with suppress(OSError):
             handle = os.open(path, os.O_RDWR | os.O_NOFOLLOW)
             try:
-                if lock(handle):
+                if try_lock(handle):
                     path.unlink()
             finally:
                 os.close(handle)
-
-
-def lock(handle):
-    """Whether an open file could be locked; True where the system has no locks."""
-    if fcntl is None:
-        return True
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
 
 
 def still_there(handle, name):

@@ -1,4 +1,4 @@
-"""Locks between processes: a file that one process at a time may hold, freed when that process dies."""
+"""Locks between processes: one process at a time holds a file, and the system frees it when that process dies."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -6,6 +6,11 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from fvcollapse.errors import InputError, OutputError
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None
 
 LOCK = "lock"  # name of the lock file of a folder; it stays there, and is empty
 
@@ -41,3 +46,24 @@ def exclusive(path, wait=True):
         yield
     finally:
         lock.release()
+
+
+def try_lock(handle):
+    """Whether this process now holds an open file; always where the system has no locks (Windows).
+
+    Parameters
+    ----------
+    handle : int or file
+
+    Raises
+    ------
+    OSError
+        The file system has no locks.
+    """
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

@@ -1,6 +1,6 @@
-"""Reading of input from regular files only.
+"""Input is read from regular files only.
 
-Reading from a named pipe without a writer, a terminal or a device would never end.
+Reading from a named pipe without a writer, from a terminal or from a device might never end.
 """
 
 import os
@@ -8,7 +8,7 @@ import stat
 from errno import EINVAL
 from pathlib import Path
 
-from fvcollapse.errors import InputError
+from fvcollapse.errors import InputError, UnreadableError
 
 SPECIAL = {
     stat.S_IFIFO: "a named pipe",
@@ -19,14 +19,14 @@ SPECIAL = {
 
 
 def refuse_special(path):
-    """Raise OSError unless there is a file or a folder at `path`."""
+    """Raise OSError if `path` is missing, or is neither a file nor a folder."""
     kind = SPECIAL.get(stat.S_IFMT(os.stat(path).st_mode))
     if kind is not None:
         raise OSError(EINVAL, f"{kind}, not a regular file")
 
 
 def refuse_unreadable(path, allowed):
-    """Refuse what is no file that can be read.
+    """Refuse a path at which no readable file is.
 
     Parameters
     ----------
@@ -37,6 +37,7 @@ def refuse_unreadable(path, allowed):
     Raises
     ------
     InputError
+        An `UnreadableError` where permission is missing.
     """
     try:
         refuse_special(path)
@@ -44,7 +45,8 @@ def refuse_unreadable(path, allowed):
             pass
     except (OSError, ValueError) as error:
         problem = (getattr(error, "strerror", None) or str(error)).lower()
-        raise InputError(path, "file", problem, allowed) from None
+        refusal = UnreadableError if isinstance(error, PermissionError) else InputError
+        raise refusal(path, "file", problem, allowed) from None
 
 
 def read_regular(path):

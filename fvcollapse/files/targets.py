@@ -1,7 +1,7 @@
-"""Places where a command will write: proved before anything is computed.
+"""Places where a command will write: tried before anything is computed.
 
-A computation takes minutes to hours. A folder that may not be entered, a name that is too long or a disk
-that is read-only is found out at its beginning, by writing there.
+A computation takes minutes to hours. A trial file shows at its beginning whether the folder may be
+entered, the name is short enough and the disk is writable.
 """
 
 import errno
@@ -13,6 +13,7 @@ from fvcollapse.errors import OutputError
 from fvcollapse.files.atomic import locked_temporary
 
 NAME_MAX = 255  # bytes of a file name, of every usual file system
+ELSEWHERE = "another place, or --force"  # allowed where other results are in the way
 
 
 def make_folder(folder, *names, mode=0o777):

@@ -10,8 +10,7 @@ from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.overwriting import ELSEWHERE
-from fvcollapse.files.targets import has_contents, is_there, make_folder
+from fvcollapse.files.targets import ELSEWHERE, has_contents, is_there, make_folder
 from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
@@ -37,7 +36,19 @@ class Source(NamedTuple):
     time: float | None
 
 
-def write_experiment(sources, folder, length="m", time="s", ratio="1", *, settings=(), force=False):
+class Units(NamedTuple):
+    """Units of digitised files: keys of `LENGTHS`, `TIMES` and `RATIOS`. `Source.time` is in s."""
+
+    length: str = "m"
+    time: str = "s"
+    ratio: str = "1"
+
+    def factors(self):
+        """Factors that take length, time and ratio to SI units."""
+        return LENGTHS[self.length], TIMES[self.time], RATIOS[self.ratio]
+
+
+def write_experiment(sources, folder, units=Units(), settings=(), force=False):  # noqa: B008 (immutable)
     """Write digitised curves into an experiment folder.
 
     Parameters
@@ -46,8 +57,8 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", *, settin
         At most one of front and of volume; profiles and interface at different times.
     folder : str or Path
         Made if need be.
-    length, time, ratio : str
-        Units of the files: keys of `LENGTHS`, `TIMES`, `RATIOS`. `Source.time` is in s.
+    units : Units
+        Of the files.
     settings : sequence of str
         "section.key=value" for a new `experiment.toml`.
     force : bool
@@ -64,20 +75,19 @@ def write_experiment(sources, folder, length="m", time="s", ratio="1", *, settin
         Nothing is written then.
     """
     folder = Path(folder)
-    factors = LENGTHS[length], TIMES[time], RATIOS[ratio]
-    texts = {f"{name}.csv": text for name, text in curve_texts(sources, *factors).items()}
+    texts = {f"{name}.csv": text for name, text in curve_texts(sources, *units.factors()).items()}
     if settings or not is_there(folder / SETTINGS):
         texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
     for name in texts:
         path = folder / name
         if is_there(path) and not force and not has_contents(path, texts[name].encode()):
             raise InputError(path, "file", "one that is already there", ELSEWHERE)
-    refuse_unreadable(texts, folder)
+    refuse_unfit(texts, folder)
     write_all(texts, folder)
     return [folder / name for name in texts]
 
 
-def refuse_unreadable(texts, folder):
+def refuse_unfit(texts, folder):
     """Refuse files that could not be read again, or that no collapse can show, before they are written.
 
     Without slope and column only the form of the curves is looked at.

@@ -27,7 +27,7 @@ from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
 
 SETTINGS = "experiment.toml"
-NAME_MAX = 200  # characters of an experiment's name in the name of a file, of 255
+ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the name of a file (255)
 # a header of a section whose name is `truth` in any spelling of TOML, and any header
 TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
 HEADER = re.compile(r"""\s*\[\[?\s*["']?[A-Za-z_][\w\s."'-]*\]\]?\s*(#.*)?$""")
@@ -155,8 +155,8 @@ def refuse_bad_name(folder):
         allowed = "a folder with a name of printable characters in UTF-8"
         raise InputError(folder, "folder", f"the name {name!r}", allowed)
     length = len(quote(name, safe=""))  # as figures are named
-    if length > NAME_MAX:
-        allowed = f"at most {NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
+    if length > ENCODED_NAME_MAX:
+        allowed = f"at most {ENCODED_NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
         raise InputError(folder, "folder", f"a name of {length} characters", allowed)
 
 

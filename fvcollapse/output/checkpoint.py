@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import CaseError, InputError
-from fvcollapse.files.storage import build_image, reading, text_attribute, write_dataset
+from fvcollapse.files.hdf5 import build_image, reading, text_attribute, write_dataset
 from fvcollapse.output.record_layout import FORMAT_VERSION, check_header, read_record
 from fvcollapse.output.recorder import Recorder
 from fvcollapse.output.stored_numbers import group_of, number_of, numbers_of, refuse

@@ -10,10 +10,10 @@ import io
 
 import numpy as np
 
-from fvcollapse.files.storage import build_image, write_dataset
+from fvcollapse.files.hdf5 import build_image, write_dataset
 from fvcollapse.output.checkpoint import write_header
-from fvcollapse.output.recorder import PROFILES, SERIES, STEPS
 from fvcollapse.output.result import FORMAT, Result, write_status
+from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS
 
 INTERVAL = 0.005  # s between rows of the series
 RESOLUTION = 2.0**-18  # m, 4 micrometres: trailing zeros compress

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fvcollapse.output.recorder import FIELDS
+from fvcollapse.output.stored_names import FIELDS
 from fvcollapse.output.stored_numbers import (
     ANY,
     POSITIVE,

@@ -43,7 +43,7 @@ ROOTS = (
     ("measure.observables", "observe"),
 )
 EFFECT_TABLES = ("CATALOGUE",)
-OUTSIDE = ("errors", "files.storage")  # modules that give no numbers: their names are not followed
+OUTSIDE = ("errors", "files.hdf5")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
 EFFECT = "Effect"

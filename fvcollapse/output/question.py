@@ -1,7 +1,7 @@
-"""Whose results a place holds: the one rule by which every command writes.
+"""Whose results a place holds: the one rule by which every command writes, which `--help` prints.
 
-`overwriting.RULE` is that rule; `--help` prints it. A *question* is all that an answer depends on: the case, the
-experiments, the values; not how it is computed (number of workers, scheduler, cache) nor what is printed.
+A *question* is all that an answer depends on (the case, the experiments, the values), but not how it is
+computed (number of workers, scheduler, cache) nor what is printed.
 
 - A folder of results (`sweep`, `converge`, `diagnose`, `plot`) holds its question in `question.json`. A
   folder with other contents and without that file is foreign.
@@ -20,8 +20,13 @@ from fvcollapse.case.grammar import as_table
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import PREFIX, write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.files.overwriting import ELSEWHERE
-from fvcollapse.files.targets import has_contents, is_there, read_or_none, refuse_bad_target
+from fvcollapse.files.targets import (
+    ELSEWHERE,
+    has_contents,
+    is_there,
+    read_or_none,
+    refuse_bad_target,
+)
 
 RECORD = "question.json"
 FORMAT = "fvcollapse-question"

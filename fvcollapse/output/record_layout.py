@@ -15,7 +15,7 @@ from fvcollapse.output.field_layout import (
     check_paraview,
     read_field,
 )
-from fvcollapse.output.recorder import PROFILES, SERIES, SINCE_RELEASED, STEPS
+from fvcollapse.output.stored_names import PROFILES, SERIES, SINCE_RELEASED, STEPS
 from fvcollapse.output.stored_numbers import (
     ANY,
     NUMBERS,

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.case.case import case_from_text
-from fvcollapse.files.storage import reading, text_attribute
+from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.output.field_layout import read_field
 from fvcollapse.output.record_layout import check_header, read_record
-from fvcollapse.output.recorder import SERIES
+from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
 
 FORMAT = "fvcollapse-result"

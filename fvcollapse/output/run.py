@@ -1,4 +1,4 @@
-"""Running a case into a folder: result, checkpoint, log; interruption and resumption.
+"""Run a case in a folder: result, checkpoint, log, interruption and resumption.
 
 A checkpoint is always written before the result that goes with it, so that a complete result has a
 checkpoint of its end. Both are replaced atomically about every 20 s of wall time, when a run is
@@ -12,8 +12,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.console.bars import progress_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt
-from fvcollapse.console.terminal import log_start, progress_bar, run_log, tell, tell_once
 from fvcollapse.errors import (
     InputError,
     OutputError,
@@ -22,7 +22,7 @@ from fvcollapse.errors import (
     failures_named,
 )
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.files.storage import build_image
+from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
@@ -38,6 +38,7 @@ from fvcollapse.output.run_folder import (
     renew_xdmf,
     tidy,
 )
+from fvcollapse.output.run_log import log_start, run_log, tell, tell_once
 from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
@@ -49,12 +50,12 @@ UNCACHED = (
     "set NUMBA_CACHE_DIR to a folder that may be written"
 )
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
-SAVING_SHARE = 0.05  # part of the wall time that saving may take in a large run
+SAVING_SHARE = 0.05  # largest share of the wall time that is spent on saving
 CAPPED_LOGGED = 20  # capped steps that are logged one by one
 
 
 def run(case, folder=None):
-    """Run a case; with a folder as the command line does, without one in memory only.
+    """Run a case: into a folder, as the command line does, or in memory if no folder is given.
 
     A folder that holds a run of the same case is continued.
 
@@ -106,7 +107,7 @@ def run_case(
     OutputError
         The folder is not writable, or the disk is full; the previous files are intact.
     NumericalError, KeyboardInterrupt
-        After the last good state was saved. A want of memory, say, is a NumericalError too.
+        After the last good state was saved. Running out of memory is a NumericalError, too.
     """
     folder = Path(folder)
     if not (resume or force):
@@ -196,14 +197,14 @@ class Job:
 
 
 class Keeper:
-    """Marches a job and keeps its files: at intervals, when it is stopped, and at the end."""
+    """Advances a job and saves its files at intervals, when it is stopped, and at the end."""
 
     def __init__(self, job, folder, log, interval):
         self.job, self.folder, self.log, self.interval = job, folder, log, interval
         self.saved_at, self.cost, self.capped, self.running = 0.0, 0.0, 0, False
 
     def march(self, bar, interrupted):
-        """Run the job to its end; whatever ends it, the last good state is on the disk."""
+        """Run the job to its end; the last good state is saved, whatever ends the run."""
 
         def after_step(record):
             self.note(record)

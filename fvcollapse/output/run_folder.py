@@ -6,7 +6,7 @@ from contextlib import suppress
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import InputError, OutputError, UnreadableError
 from fvcollapse.files.atomic import remove_stale, write_atomic
-from fvcollapse.files.storage import reading, text_attribute
+from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.files.targets import is_there
 from fvcollapse.output import checkpoint, result
 from fvcollapse.output.xdmf import xdmf_text

@@ -7,7 +7,7 @@ the matter of `record_layout` and `field_layout`, which know what the numbers me
 import numpy as np
 
 from fvcollapse.errors import InputError
-from fvcollapse.files.storage import name_of
+from fvcollapse.files.hdf5 import name_of
 
 ANY = (-np.inf, np.inf)
 POSITIVE = (0.0, np.inf)

@@ -1,8 +1,8 @@
-"""A content-addressed cache of runs: what has been computed once is not computed again.
+"""A content-addressed cache of runs: no run is computed twice.
 
 The key of a run is a digest of the solver and of the resolved case without its outputs. Every key
-has a folder: while the run goes on it holds the checkpoint, so that whoever asks next continues;
-then only the extract stays. Any number of processes may use a cache.
+has a folder. During the run it holds the checkpoint, from which the next caller continues;
+afterwards it holds the extract only. Any number of processes may use a cache.
 
 An entry is taken only if it reaches the end that is asked for, if the case that is stored in it has
 its key, and if all of its numbers are finite. Another one, copied by hand, damaged or left by a solver
@@ -38,9 +38,9 @@ from fvcollapse.output.run_folder import OUTPUT_KEYS
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import run_all
 
-FORMAT = 1  # of the extract; another one is another key
+FORMAT = 1  # of the extract; it is part of every key
 EXTRACT, WORK = "extract.h5", "run"
-PROFILE_INTERVAL = 0.02  # s; the same for all, as output times have a say in the time steps
+PROFILE_INTERVAL = 0.02  # s; the same for all runs, since output times influence the time steps
 VARIABLE = "FVCOLLAPSE_CACHE"
 
 
@@ -80,7 +80,7 @@ def ready_folder(folder=None):
 
 
 def cached_case(case):
-    """The case that is run for a case: the same physics and numerics, outputs as the cache has them."""
+    """The case that is run: physics and numerics of a case, with the outputs of the cache."""
     return case.replace(
         **{
             "time.output_interval": PROFILE_INTERVAL,
@@ -202,7 +202,7 @@ class RunCache:
 
 
 def longest(cases):
-    """{key: case} of the cases, the one with the latest end of those that share a key."""
+    """{key: case}; of cases that share a key the case with the latest end."""
     found = {}
     for case in cases:
         key = cache_key(case)
@@ -243,9 +243,9 @@ def is_finite(result):
 
 
 def make_extract(case, place, quiet=True):
-    """Run a case in its place, or continue it, and leave its extract; nothing if it is there.
+    """Run or continue a case in its folder and write the extract, unless it exists.
 
-    Whoever is at it already is waited for.
+    Another process that computes the same case is waited for.
 
     Raises
     ------

@@ -5,7 +5,8 @@ from pathlib import Path
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
 from fvcollapse.files.locks import LOCK, exclusive
 from fvcollapse.output.recorder import SAME_TIME
-from fvcollapse.output.run import CHECKPOINT, RESULT, run_case
+from fvcollapse.output.run import run_case
+from fvcollapse.output.run_folder import CHECKPOINT, RESULT
 from fvcollapse.studies.workers import run_all
 
 

@@ -42,6 +42,7 @@ from fvcollapse.studies.convergence import (
 )
 from fvcollapse.studies.least_squares import fit
 from fvcollapse.studies.members import run_member, run_members
+from fvcollapse.studies.workers import HERE, refuse_workers
 
 NAME = "converge"  # of the files of the report
 
@@ -144,26 +145,28 @@ def member_keys(axis):
 # -- the study -----------------------------------------------------------------------------------
 
 
-def refine(
-    case, axis, values, folder, workers=1, *, quiet=True, source="case", tell=print, force=False
-):
+class Series(NamedTuple):
+    """The members of a study: a case at the values (three or more) of an axis (one of `AXES`).
+
+    `source` is the name of the case in errors.
+    """
+
+    case: object
+    axis: str
+    values: tuple
+    source: str = "case"
+
+
+def refine(series, folder, resources=HERE, tell=print, force=False):
     """Run a case at several values of one numerical parameter and measure its convergence.
 
     Parameters
     ----------
-    case : Case
-    axis : str
-        One of `AXES`.
-    values : sequence of float
-        At least three.
+    series : Series
     folder : str or Path
         Each member is run into `<axis>_<value>` inside; finished members are read, not run.
-    workers : int
-        Number of processes.
-    quiet : bool
-        No progress bar.
-    source : str
-        Name of the case in errors.
+    resources : Resources
+        Processes of this machine.
     tell : function
         Called with a line of text after each member.
     force : bool
@@ -182,8 +185,8 @@ def refine(
     NumericalError
         Fewer than three members finish.
     """
-    if workers < 1:
-        raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
+    refuse_workers(resources.workers)
+    case, axis, values, source = series
     folder, ordered = Path(folder), checked_values(axis, values)
     cases = {
         folder / f"{axis}_{value:.12g}": member_case(case, axis, value, source) for value in ordered
@@ -193,8 +196,8 @@ def refine(
     make_folder(folder, *(f"{NAME}.{suffix}" for suffix in ("json", "csv", "png")))
     run = partial(run_member, force=True) if force else run_member
     failures = {}
-    width = min(workers, len(cases))
-    run_members(cases, width, quiet, run, tell, failed=failures.__setitem__)
+    width = min(resources.workers, len(cases))
+    run_members(cases, width, resources.quiet, run, tell, failed=failures.__setitem__)
     write_members(folder / MEMBERS, axis, dict(zip(ordered, cases, strict=True)), failures)
     for member, error in failures.items():
         tell(f"{member}: failed: {error}")
@@ -248,7 +251,7 @@ def record(axis, values, sizes, measured):
     belong to the finest three; `triplets` holds the same of every three neighbours, each with its
     values of the axis; `least_squares` is the fit to all values, null for fewer than four.
     """
-    found = successive(convergence, sizes, measured, FORMAL_ORDER)
+    triplets = successive(convergence, sizes, measured, FORMAL_ORDER)
     fitted = fit(sizes, measured)
     return {
         axis: values,
@@ -256,7 +259,7 @@ def record(axis, values, sizes, measured):
         "refinement_size": sizes,
         "spread": spread(measured),
         "least_squares": None if fitted is None else fitted._asdict(),
-    } | of_triplets(axis, values, [outcome._asdict() for outcome in found])
+    } | of_triplets(axis, values, [outcome._asdict() for outcome in triplets])
 
 
 def record_of_profiles(axis, values, sizes, results):
@@ -267,10 +270,10 @@ def record_of_profiles(axis, values, sizes, results):
     oscillate among the three.
     """
     profiles = [(result.profiles.x, result.profiles.thickness[-1]) for result in results]
-    found = successive(convergence_of_profiles, sizes, profiles, FORMAL_ORDER)
+    triplets = successive(convergence_of_profiles, sizes, profiles, FORMAL_ORDER)
     outcomes = [
         outcome._asdict() | {"oscillating": oscillating_share(profiles[n : n + 3])}
-        for n, outcome in enumerate(found)
+        for n, outcome in enumerate(triplets)
     ]
     pairs = zip(profiles, profiles[1:], strict=False)
     return {

@@ -29,11 +29,11 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.studies.members import run_member
-from fvcollapse.studies.workers import refuse_workers, run_all
+from fvcollapse.studies.workers import HERE, refuse_workers, run_all
 
 TABLE = "sweep.csv"
 POINTS_MAX = 100_000
-NAME_MAX = 120  # characters of the name of a folder
+FOLDER_NAME_MAX = 120  # characters
 SHOWN = (
     "runout",
     "runout_10mm",
@@ -51,9 +51,7 @@ class Point(NamedTuple):
     case: object
 
 
-def sweep(
-    case, variations, folder, workers=1, scheduler=None, *, quiet=True, source="case", force=False
-):
+def sweep(case, variations, folder, resources=HERE, source="case", force=False):
     """Run a case at every combination of values; what is finished is not run again.
 
     Parameters
@@ -63,8 +61,8 @@ def sweep(
         {dotted key: list of values}.
     folder : str or Path
         Gets one folder per point, and `sweep.csv`, which is renewed after every run.
-    workers, scheduler, quiet
-        See `run_all`.
+    resources : Resources
+        Where the points are run.
     source : str
         Name of the case in errors.
     force : bool
@@ -82,28 +80,30 @@ def sweep(
         Before anything runs; later if a folder holds another run or cannot be written.
         The folder holds something else, in particular a sweep of another case.
     """
-    refuse_workers(workers)
+    refuse_workers(resources.workers)
     points = all_points(case, variations, source)
     folder = Path(folder).absolute()  # a worker has a working folder of its own
     latitude = Latitude(free=tuple(f"case.{key}" for key in variations))
-    if not claim_folder(folder, "sweep", case_question(case), force, latitude):
-        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+    same = claim_folder(folder, "sweep", case_question(case), force, latitude)
     make_folder(folder, TABLE)
-    found = {point.name: {"status": "missing"} for point in points}
+    if not same:
+        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+    outcomes = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):
         if isinstance(outcome, NumericalError):
-            found[name] = {"status": "failed", "problem": str(outcome)}
+            outcomes[name] = {"status": "failed", "problem": str(outcome)}
         elif isinstance(outcome, FvcollapseError):
             raise outcome
         else:
-            found[name] = {"status": "complete"} | outcome
-        renew_table(folder / TABLE, table_rows(points, found))
+            outcomes[name] = {"status": "complete"} | outcome
+        renew_table(folder / TABLE, table_rows(points, outcomes))
 
+    workers, scheduler, quiet = resources
     silent = quiet or workers > 1 or scheduler is not None
     calls = {point.name: (point.case, folder / point.name, silent, force) for point in points}
-    run_all(run_point, calls, finished, workers, scheduler, quiet)
-    return table_rows(points, found)
+    run_all(run_point, calls, finished, *resources)
+    return table_rows(points, outcomes)
 
 
 def run_point(case, folder, quiet, force=False):
@@ -172,21 +172,21 @@ def point_name(values):
     """Name of a folder, made of the values; a digest stands for what would make it too long."""
     full = "_".join(f"{key}={toml_value(value)}" for key, value in values.items())
     name = re.sub(r"[^\w.=+-]+", "-", full.replace('"', "")).strip("-")
-    if len(name) <= NAME_MAX:
+    if len(name) <= FOLDER_NAME_MAX:
         return name
-    return f"{name[: NAME_MAX - 17]}_{sha256(full.encode()).hexdigest()[:16]}"
+    return f"{name[: FOLDER_NAME_MAX - 17]}_{sha256(full.encode()).hexdigest()[:16]}"
 
 
 # -- the table -----------------------------------------------------------------------------------
 
 
-def table_rows(points, found):
+def table_rows(points, outcomes):
     """One flat dictionary per point."""
-    names = list(dict.fromkeys(name for of in found.values() for name in of))
+    names = list(dict.fromkeys(name for of in outcomes.values() for name in of))
     columns = ["status", "problem", *(name for name in names if name not in ("status", "problem"))]
     return [
         {"point": point.name, **point.values}
-        | {column: found[point.name].get(column) for column in columns}
+        | {column: outcomes[point.name].get(column) for column in columns}
         for point in points
     ]
 

@@ -1,7 +1,7 @@
 """Many runs at once: in processes of this machine, or on the workers of a Dask cluster.
 
-Both are used through the interface of `concurrent.futures`. A call whose worker died is made again;
-calls that run a case are such that what is finished is not run again and what was cut short
+Both are used through the interface of `concurrent.futures`. A call whose worker died is made again.
+Calls that run a case can be repeated: a finished run is not run again, and an interrupted run
 continues from its checkpoint (`run_member`). The workers of a cluster must see the folders of this
 machine (a shared file system) and have the same solver.
 """
@@ -20,9 +20,11 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
+from functools import partial
 from math import inf
+from typing import NamedTuple
 
-from fvcollapse.console.bars import tqdm
+from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.output.fingerprint import solver_version
@@ -34,6 +36,17 @@ CONNECT = 10.0  # s to wait for a scheduler
 POLL = 0.1  # s between two looks for a signal
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
+
+
+class Resources(NamedTuple):
+    """Where many runs are made: `workers`, `scheduler` and `quiet` of `run_all`."""
+
+    workers: int = 1
+    scheduler: str | None = None
+    quiet: bool = True
+
+
+HERE = Resources()  # one after the other, in this process
 
 
 def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
@@ -79,8 +92,8 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
             bar.update()
             finished(name, outcome)
 
-        with executor(workers, scheduler) as (pool, width, interrupted):
-            drain(pool, width, task, calls, queue, end, interrupted)
+        with executor(workers, scheduler) as place:
+            drain(place, partial(call, solver_version(), task), calls, queue, end)
 
 
 def refuse_workers(workers):
@@ -89,12 +102,21 @@ def refuse_workers(workers):
         raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
 
 
-def drain(pool, width, task, calls, queue, end, interrupted):
-    """Work the queue off, `width` calls at a time; `interrupted()` is the number of a signal, or 0."""
+class Place(NamedTuple):
+    """Where calls are made: an executor, how many it may hold, and a function: number of a signal, or 0."""
+
+    pool: Executor
+    width: float
+    interrupted: object
+
+
+def drain(place, task, calls, queue, end):
+    """Make the calls of the queue, as many at a time as the place holds; `end` gets each outcome."""
+    pool, width, interrupted = place
     running = {}
     while queue or running:
         while queue and len(running) < width:
-            future = pool.submit(call, solver_version(), task, calls[queue[0]])
+            future = pool.submit(task, calls[queue[0]])
             running[future] = queue.popleft()
         for future in wait(running, POLL, FIRST_COMPLETED).done:
             end(running.pop(future), outcome_of(future))
@@ -103,7 +125,7 @@ def drain(pool, width, task, calls, queue, end, interrupted):
 
 
 def call(version, task, arguments):
-    """What a worker does."""
+    """Make one call inside a worker."""
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
         raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
@@ -126,19 +148,8 @@ def outcome_of(future):
 
 
 def is_named(error, name):
-    """Whether an error is of a type of this name, of a package that may be absent."""
+    """Whether an error has a type of this name; its package need not be installed."""
     return type(error).__name__ == name
-
-
-def runs_bar(total, quiet):
-    """Bar over the runs, with ETA, on stderr."""
-    return tqdm(
-        total=total,
-        unit="run",
-        file=sys.stderr,
-        disable=quiet or not sys.stderr.isatty(),
-        dynamic_ncols=True,
-    )
 
 
 # -- where the calls are made --------------------------------------------------------------------
@@ -146,15 +157,15 @@ def runs_bar(total, quiet):
 
 @contextmanager
 def executor(workers, scheduler):
-    """(executor, number of calls that it may hold, whether a signal came) of processes or a cluster."""
+    """The `Place` of processes of this machine, or of a cluster."""
     if scheduler is not None:
         with cluster(scheduler) as client:
-            yield client.get_executor(pure=False), inf, no_signal
+            yield Place(client.get_executor(pure=False), inf, no_signal)
     elif workers == 1:
-        yield InThisProcess(), 1, no_signal
+        yield Place(InThisProcess(), 1, no_signal)
     else:
         with processes(workers) as (pool, interrupted):
-            yield pool, workers, interrupted
+            yield Place(pool, workers, interrupted)
 
 
 def no_signal():

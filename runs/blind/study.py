@@ -24,22 +24,21 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from fvcollapse.blind.generator import TRAINING, known_effects
-from fvcollapse.blind.make import SEAL, make
-from fvcollapse.blind.metrics import reduction_scores
-from fvcollapse.blind.score import answer_of, read_seal, score, table, write_scores
-from fvcollapse.blind.suite import (
-    SIMPLE,
-    answers,
-    case_folders,
+from fvcollapse.blind.answers import answer_of_report, answers, no_answer, write_answers
+from fvcollapse.blind.case_evidence import case_folders, design_of, study
+from fvcollapse.blind.causes import known_effects
+from fvcollapse.blind.comparisons import reduction_scores
+from fvcollapse.blind.distances import distances
+from fvcollapse.blind.make import make
+from fvcollapse.blind.score import score
+from fvcollapse.blind.score_table import table, write_scores
+from fvcollapse.blind.seal import SEAL, read_seal
+from fvcollapse.blind.simple_rules import SIMPLE
+from fvcollapse.blind.verdict_training import (
     cross_validated,
-    design_of,
-    distances,
     make_training,
-    no_answer,
-    study,
     train,
-    write_answers,
+    training_classes,
 )
 from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
@@ -48,6 +47,7 @@ from fvcollapse.diagnosis.report import FILE_NAME, read_report
 from fvcollapse.diagnosis.verdict_model import SHIPPED, VerdictModel, solver_of
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.studies.workers import Resources
 from runs.study import Study
 from runs.study import main as call
 
@@ -77,24 +77,11 @@ def add_options(parser):
 
 def make_training_suite(arguments):
     """Truths of the training suite."""
-    folder = arguments.out / "training"
-    make_training(
-        arguments.per_class,
-        folder,
-        TRAINING_SEED,
-        first=arguments.first,
-        workers=arguments.workers,
-        quiet=False,
-    )
-    make(
-        arguments.nothing,
-        arguments.out / "training_none",
-        style=TRAINING,
-        classes=[NONE] * arguments.nothing,
-        seed=TRAINING_SEED + 1,
-        workers=arguments.workers,
-        quiet=False,
-    )
+    resources = Resources(arguments.workers, quiet=False)
+    classes = training_classes(arguments.per_class, TRAINING_SEED)[: arguments.first]
+    make_training(classes, arguments.out / "training", TRAINING_SEED, resources)
+    nothing = [NONE] * arguments.nothing
+    make_training(nothing, arguments.out / "training_none", TRAINING_SEED + 1, resources)
 
 
 def options_of(arguments):
@@ -109,7 +96,7 @@ def options_of(arguments):
 
 
 def compare(arguments, folder, suite):
-    """Evidence of a suite in a folder; tells what could not be compared."""
+    """Folder of the evidence of a suite; cases that could not be compared are reported on stderr."""
     out = folder / f"{suite}.evidence"
     failed = study(folder / suite, out, **options_of(arguments))
     for name, error in failed.items():
@@ -136,7 +123,8 @@ def fit_verdict(arguments):
 
 def make_blind_suite(arguments):
     """The blind suite, and a copy of its seal."""
-    seal = make(arguments.cases, arguments.out / "blind", workers=arguments.workers, quiet=False)
+    resources = Resources(arguments.workers, quiet=False)
+    seal = make(arguments.cases, arguments.out / "blind", resources=resources)
     shutil.copyfile(seal, arguments.tables / SEAL)
     print(arguments.tables / SEAL)
 
@@ -153,27 +141,27 @@ def answer_blind_suite(arguments):
         raise InputError(path, "verdict", "no fitted verdict layer", "the step fit before")
     cases = [case.name for case in case_folders(arguments.out / "blind")]
     for name in SIMPLE:
-        found = answers(evidence, simple=name)
-        write_answers(arguments.tables / f"answers_{name}.json", completed(found, cases))
+        answered = answers(evidence, simple=name)
+        write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
     write_answers(path, completed(answers(evidence, model), cases))
     print(path)
 
 
-def completed(found, cases):
+def completed(answered, cases):
     """Answers to all cases: one that could not be compared is answered without the data."""
     names = (*known_effects(), NONE, UNKNOWN)
-    return {case: found.get(case) or no_answer(names) for case in cases}
+    return {case: answered.get(case) or no_answer(names) for case in cases}
 
 
 def reduce_gaps(arguments):
     """Diagnose the first cases of several experiments, the last of which is held out."""
     several = [case for case in case_folders(arguments.out / "blind") if len(design_of(case)) > 1]
-    found = {}
+    answered = {}
     for case in several[: arguments.ladders]:
         report = held_out_report(case, arguments.out / "blind.reports" / case.name, arguments)
         if report is not None:
-            found[case.name] = answer_of(report)
-    write_answers(arguments.tables / REDUCTIONS, found)
+            answered[case.name] = answer_of_report(report)
+    write_answers(arguments.tables / REDUCTIONS, answered)
     print(arguments.tables / REDUCTIONS)
 
 
@@ -194,19 +182,19 @@ def held_out_report(case, folder, arguments):
 def score_answers(arguments):
     """Distances of the true causes, and all scores."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
-    published, kept = (read_seal(each / SEAL) for each in (arguments.tables, folder))
-    if published != kept:
+    published, present = (read_seal(place / SEAL) for place in (arguments.tables, folder))
+    if published != present:
         raise InputError(folder / SEAL, "file", "another seal", f"that of {arguments.tables}")
     path = arguments.tables / "distances.json"
     if not path.exists():
-        found = distances(folder, labels, **options_of(arguments))
-        write_atomic(path, (json.dumps(found, indent=1) + "\n").encode(), running=False)
+        numbers = distances(folder, labels, **options_of(arguments))
+        write_atomic(path, (json.dumps(numbers, indent=1) + "\n").encode(), running=False)
     against = [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
     scores = score(folder, arguments.tables / "answers.json", labels, against, path)
     if (arguments.tables / REDUCTIONS).exists():
         whole = json.loads((arguments.tables / REDUCTIONS).read_text(encoding="utf-8"))
-        named = [each for each in whole.values() if each["verdict"] in NAMED]
-        rows = [each["reduction"] for each in named if "reduction" in each]
+        named = [answer for answer in whole.values() if answer["verdict"] in NAMED]
+        rows = [answer["reduction"] for answer in named if "reduction" in answer]
         scores["reduction"] = reduction_scores(rows)
     write_scores(arguments.tables / "scores.json", scores)
     print(table(scores))

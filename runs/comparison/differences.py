@@ -8,7 +8,7 @@ import json
 
 import numpy as np
 
-from fvcollapse.measure.observables import front_position
+from fvcollapse.measure.pile import front_position
 from runs.comparison.analysis import (
     asymmetry,
     l1_difference,

@@ -1,8 +1,10 @@
 """The computed collapses against experiments: runout and height, deposit shape, scaling laws."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from fvcollapse.measure.observables import front_position
+from fvcollapse.measure.pile import front_position
 from runs.comparison.analysis import on_curve, power_coefficient
 from runs.comparison.tables import line, profile, table
 from runs.table import read_table
@@ -101,33 +103,42 @@ def laws(of):
     flat = [row for row in flat if "_" not in row["name"]]
     for law in ("Lajeunesse2005-2D-digitised", "Lajeunesse2005-2D", "Lube2005-2D"):
         low, high = (float(rows[law][f"{side}_a_coeff"]) for side in ("low", "high"))
-        yield law_line(law, "runout, a < 3", low, beads, "runout_over_l0", (0.0, 3.0), 1.0)
-        yield law_line(law, "runout, a >= 3", high, beads, "runout_over_l0", (3.0, 9.0), 2 / 3)
+        yield law_line(law, "runout, a < 3", low, Fit(beads, "runout_over_l0", (0.0, 3.0), 1.0))
+        yield law_line(law, "runout, a >= 3", high, Fit(beads, "runout_over_l0", (3.0, 9.0), 2 / 3))
     for law, power in (("Lajeunesse2005-2D-height-digitised", 1 / 3), ("Lube2005-2D-height", 0.4)):
         given = float(rows[law]["high_a_coeff"])
         yield law_line(
-            law, "height, a > 1", given, beads, "final_height_over_l0", (1.0, 9.0), power
+            law, "height, a > 1", given, Fit(beads, "final_height_over_l0", (1.0, 9.0), power)
         )
     given = float(rows["Lagree2011-muI-continuum"]["low_a_coeff"])
     for column in ("runout_over_l0", "runout_1mm_over_l0"):
         label = "runout, a < 7" + (", 1 mm" if "1mm" in column else ", 5 mm")
-        yield law_line("Lagree2011-muI-continuum", label, given, flat, column, (0.0, 7.0), 1.0)
+        yield law_line("Lagree2011-muI-continuum", label, given, Fit(flat, column, (0.0, 7.0), 1.0))
     given = float(rows["Lagree2011-muI-height"]["high_a_coeff"])
     yield law_line(
         "Lagree2011-muI-height",
         "height, a > 1",
         given,
-        flat,
-        "final_height_over_l0",
-        (0.9, 7.0),
-        0.35,
+        Fit(flat, "final_height_over_l0", (0.9, 7.0), 0.35),
     )
 
 
-def law_line(law, quantity, given, runs, column, limits, power):
+class Fit(NamedTuple):
+    """What a coefficient is fitted to: a column of the runs of some aspect ratios, and the power law."""
+
+    runs: list
+    column: str
+    limits: tuple
+    power: float
+
+
+def law_line(law, quantity, given, fit):
     """Coefficient of one law; the spread of the computed ones over the range as `at`."""
-    here = [row for row in runs if limits[0] <= float(row["aspect"]) < limits[1]]
-    aspect = [float(row["aspect"]) for row in here]
-    found, spread = power_coefficient(aspect, [float(row[column]) for row in here], power)
+    low, high = fit.limits
+    inside = [row for row in fit.runs if low <= float(row["aspect"]) < high]
+    aspect = [float(row["aspect"]) for row in inside]
+    computed, spread = power_coefficient(
+        aspect, [float(row[fit.column]) for row in inside], fit.power
+    )
     error = SCATTER * given if "runout" in quantity and "digitised" in law else None
-    return line(law, f"coefficient, {quantity}", f"+-{100 * spread:.0f} %", given, error, found)
+    return line(law, f"coefficient, {quantity}", f"+-{100 * spread:.0f} %", given, error, computed)

@@ -1,7 +1,8 @@
 """What the tables hold of one run of the study."""
 
 from runs.paper.cases import GROUPS
-from runs.paper.extract import curves, scalars
+from runs.paper.curves import curves
+from runs.paper.scalars import scalars
 from runs.study import cost, finished_run
 from runs.table import curve_row
 

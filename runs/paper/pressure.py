@@ -12,7 +12,7 @@ import numpy as np
 from scipy.signal import savgol_filter
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.measure.observables import SPEED_STATIC, thickness
+from fvcollapse.measure.pile import SPEED_STATIC, thickness
 
 SHEAR_LEAST = 1.0  # 1/s; where |dU/dZ| is smaller the last term of (22) has no meaning
 THICK = 0.010  # m; thinner columns hold one or two cells and say nothing of a profile

@@ -10,13 +10,18 @@ numbers, their grid uncertainty and a criterion, see `verdicts.py`.
 from pathlib import Path
 
 from fvcollapse.files.atomic import write_atomic
-from runs.paper import statements_open, statements_viscosity, statements_walls
+from runs.paper import statements_mesh, statements_open, statements_viscosity, statements_walls
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED
 from runs.table import FINE, MissingRun, Tables, write_table
 
 HERE = Path(__file__).parent
 
-CLAIMS = (*statements_walls.CLAIMS, *statements_viscosity.CLAIMS, *statements_open.CLAIMS)
+CLAIMS = (
+    *statements_walls.CLAIMS,
+    *statements_viscosity.CLAIMS,
+    *statements_mesh.CLAIMS,
+    *statements_open.CLAIMS,
+)
 HEAD = (
     "statement",
     "place",

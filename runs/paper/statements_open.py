@@ -3,29 +3,16 @@
 import numpy as np
 
 from runs.paper.cases import SENSITIVITIES, SLOPES, WIDTHS
-from runs.paper.statements_walls import LENGTH_0, SALTATION, muI
+from runs.paper.statement_terms import LENGTH_0, SALTATION, muI, shape_gap
 from runs.paper.verdicts import Clause, claims, rounded
 
 MEASURED_RUNOUT, READING = 0.275, 0.005  # m from the gate at 0 deg, Mangeney et al. (2010)
 DEPOSIT_LIMIT = 1.6  # m; the measured deposit at 22 deg, w = 10 cm, is shorter
 AT_REST = 0.02  # share of the volume; less counts as a mass that has stopped
-STATIONS = (0.15, 0.25, 0.35)  # m
 CLAIMS, claim = claims()
 
 
 # -- the older closure -----------------------------------------------------------------------------
-
-
-def velocity_shape(t, case, x):
-    """U over its surface value at 20 relative heights of one column, 0.48 s."""
-    line = t.line(case, "u_m_s", 0.48, x)
-    return np.interp(np.linspace(0.05, 0.95, 19) * line.at[-1], *line) / line.values[-1]
-
-
-def shape_gap(t, case, other):
-    """Root mean square difference of the shapes of the velocity in three columns."""
-    gaps = [velocity_shape(t, case, x) - velocity_shape(t, other, x) for x in STATIONS]
-    return float(np.sqrt(np.mean(np.square(gaps))))
 
 
 @claim(

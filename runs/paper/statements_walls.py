@@ -4,27 +4,10 @@ import numpy as np
 
 from runs.paper.cases import SLOPES
 from runs.paper.measures import PLATEAU_LEAST
+from runs.paper.statement_terms import LENGTH_0, SALTATION, muI, shortening
 from runs.paper.verdicts import Clause, claims
 
-SALTATION = 0.02  # m; the paper's uncertainty of a measured front
-LENGTH_0 = 0.20  # m
 CLAIMS, claim = claims()
-
-
-def muI(slope, width):
-    """Name of a mu(I) case."""
-    return f"muI_a{slope}_{width}"
-
-
-def shortening(t, slope, width):
-    """Runout (5 mm) without lateral friction less that with it [m]."""
-    return t.difference(muI(slope, "winf"), muI(slope, width), "runout_5mm_m")
-
-
-def front_at(t, case, time, refinement=1.0):
-    """Front (5 mm) at a time; a front that has stopped stays."""
-    line = t.line(case, "front_m", refinement=refinement)
-    return float(np.interp(time, line.at, line.values))
 
 
 @claim(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fvcollapse.case.case import GRAVITY, case_from_text
-from fvcollapse.measure.observables import front_position, thickness
+from fvcollapse.measure.pile import front_position, thickness
 from fvcollapse.simulation import Simulation
 
 COLUMN_AT_REST = """

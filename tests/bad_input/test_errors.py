@@ -5,9 +5,9 @@ import pickle
 import numpy as np
 import pytest
 
-from fvcollapse import __main__ as command_line
 from fvcollapse.case.case import Case
-from fvcollapse.console.terminal import run_log
+from fvcollapse.commands import keys
+from fvcollapse.commands.command_line import main
 from fvcollapse.errors import (
     CaseError,
     FvcollapseError,
@@ -15,6 +15,7 @@ from fvcollapse.errors import (
     NumericalError,
     OutputError,
 )
+from fvcollapse.output.run_log import run_log
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES
 
@@ -32,8 +33,8 @@ def test_error_is_one_line_and_sets_the_exit_status(error, status, monkeypatch, 
     def fail(arguments):
         raise error
 
-    monkeypatch.setattr(command_line, "keys", fail)
-    assert command_line.main(["keys"]) == status
+    monkeypatch.setattr(keys, "execute", fail)
+    assert main(["keys"]) == status
     assert capsys.readouterr().err == f"{error}\n"
     assert "\n" not in str(error)
 
@@ -56,8 +57,8 @@ def test_interruption_is_130(monkeypatch, capsys):
     def interrupt(arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command_line, "keys", interrupt)
-    assert command_line.main(["keys"]) == 130
+    monkeypatch.setattr(keys, "execute", interrupt)
+    assert main(["keys"]) == 130
     assert capsys.readouterr().err == "interrupted\n"
 
 

@@ -101,7 +101,8 @@ def no_computation(monkeypatch):
         pytest.fail("computed before the target was refused")
 
     monkeypatch.setattr(output, "Simulation", compute)
-    monkeypatch.setattr("fvcollapse.studies.workers.run_all", compute)
+    for module in ("blind.make", "studies.sweep", "studies.cache", "studies.members"):
+        monkeypatch.setattr(f"fvcollapse.{module}.run_all", compute)
     monkeypatch.setattr("fvcollapse.verification.problem.solve", compute)
     monkeypatch.setattr("fvcollapse.studies.bench.run_member", compute)
     monkeypatch.setattr("fvcollapse.diagnosis.diagnose.analyse", compute)
@@ -124,7 +125,7 @@ UNWRITABLE = {
     "name too long inside": (f"{LONG}/target", ("too long",)),
 }
 FORBIDDEN = {
-    "may not be entered": ("locked/target", ("Permission denied",)),
+    "may not be entered": ("locked/target", ("Permission denied", "permission denied")),
     "may not be written": ("read_only/target", ("Permission denied",)),
 }
 
@@ -174,11 +175,11 @@ def test_results_in_a_folder_that_may_not_be_entered(place, capsys, arguments):
 
 @pytest.mark.parametrize("command", ["plot", "sweep", "converge", "diagnose"])
 def test_a_folder_where_a_file_will_be(place, no_computation, capsys, command):
-    """The last file of a study is looked at before the first run."""
+    """The last file of a study is checked before the first run, also where results may be replaced."""
     last = {"plot": "volume.png", "sweep": "sweep.csv", "converge": "converge.csv"}
     out = f"{command}_out"
     (place / out / last.get(command, "report.html")).mkdir(parents=True)
-    refused(capsys, commands(out)[command], ("a folder",))
+    refused(capsys, [*commands(out)[command], "--force"], ("a folder",))
 
 
 @pytest.mark.parametrize("command", commands_of_files(""))
@@ -279,8 +280,9 @@ def test_truths_of_sealed_cases_are_private(tmp_path, monkeypatch):
         path.write_text("0.3")
 
     from fvcollapse.blind import make as making
+    from fvcollapse.blind.labels import Draw
 
     make_wedges(monkeypatch, tmp_path / "other", classes=["none"])
     monkeypatch.setattr(making, "keep_truth", keep)
-    making.make(1, tmp_path / "suite", classes=["none"], seed=1)
+    making.make(1, tmp_path / "suite", draw=Draw(classes=["none"], seed=1))
     assert set(modes) == {0o700}

@@ -6,18 +6,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from fvcollapse.blind.generator import (
-    BLIND,
-    DESIGNS,
-    SET_UPS,
-    TRAINING,
-    draw_classes,
-    draw_effect,
-    draw_label,
-    known_effects,
-    settings_text,
-)
+from fvcollapse.blind.causes import BLIND, TRAINING, draw_classes, draw_effect, known_effects
+from fvcollapse.blind.generator import draw_label
 from fvcollapse.blind.outside import UNKNOWNS
+from fvcollapse.blind.set_ups import DESIGNS, SET_UPS, settings_text
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE

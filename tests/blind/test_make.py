@@ -8,9 +8,12 @@ import pytest
 from blind_suite import CLASSES, make_wedges
 
 from fvcollapse.blind import make as making
-from fvcollapse.blind.generator import BLIND, draw_label
-from fvcollapse.blind.make import data_digest, label_digest, make, read_labels
+from fvcollapse.blind.causes import BLIND
+from fvcollapse.blind.generator import draw_label
+from fvcollapse.blind.labels import Draw, draw_plan, read_labels
+from fvcollapse.blind.make import make
 from fvcollapse.blind.outside import UNKNOWNS
+from fvcollapse.blind.seal import data_digest, label_digest
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError, OutputError
 from fvcollapse.measure.experiment import load_experiment
@@ -65,7 +68,7 @@ def test_labels_are_private_and_salted(tmp_path, monkeypatch):
 
 
 def test_two_suites_without_a_seed_differ():
-    plans = [making.draw_plan(3, BLIND, None, None, None)["cases"] for _ in range(2)]
+    plans = [draw_plan(3, Draw())["cases"] for _ in range(2)]
     first, second = ([entry["label"] for entry in plan.values()] for plan in plans)
     assert first != second
 
@@ -87,7 +90,7 @@ def test_a_suite_can_be_continued(tmp_path, monkeypatch):
 
         patch.setattr(making, "keep_truth", keep)
         with pytest.raises(KeyboardInterrupt):
-            make(len(CLASSES), tmp_path / "part", classes=CLASSES, seed=1)
+            make(len(CLASSES), tmp_path / "part", draw=Draw(classes=CLASSES, seed=1))
     assert not (tmp_path / "part" / "SEAL.json").exists()
     make_wedges(monkeypatch, tmp_path / "part")
     part = {name: path.read_bytes() for name, path in files(tmp_path / "part").items()}
@@ -137,7 +140,8 @@ def test_bad_input_is_one_line(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_real_suite_on_coarse_cells(tmp_path):
-    make(2, tmp_path / "suite", classes=["none", "lateral_friction"], seed=4, cells=(4.2, 4.6))
+    draw = Draw(classes=["none", "lateral_friction"], seed=4, cells=(4.2, 4.6))
+    make(2, tmp_path / "suite", draw=draw)
     for path in (tmp_path / "suite").glob("*/*/experiment.toml"):
         experiment = load_experiment(path.parent)
         front = experiment.curves["front"]

@@ -5,7 +5,6 @@ import io
 import numpy as np
 import pytest
 
-from fvcollapse.blind.generator import ERRORS
 from fvcollapse.blind.measurement import (
     drifting_errors,
     film,
@@ -16,6 +15,7 @@ from fvcollapse.blind.measurement import (
     mixed,
     mixed_series,
 )
+from fvcollapse.blind.set_ups import ERRORS
 from fvcollapse.blind.truth import View
 
 EXACT = ERRORS._replace(**dict.fromkeys(ERRORS._fields, 0.0))

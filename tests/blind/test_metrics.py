@@ -3,22 +3,10 @@
 import numpy as np
 import pytest
 
-from fvcollapse.blind.metrics import (
-    Outcome,
-    alarms,
-    by_class,
-    calibration,
-    calibration_error,
-    confusion,
-    credit,
-    mcnemar,
-    parameter_scores,
-    ranking,
-    reduction_scores,
-    risk_coverage,
-    share,
-    sharpness,
-)
+from fvcollapse.blind.calibration import calibration, calibration_error, risk_coverage, sharpness
+from fvcollapse.blind.comparisons import mcnemar, parameter_scores, reduction_scores
+from fvcollapse.blind.metrics import alarms, by_class, confusion, ranking
+from fvcollapse.blind.outcomes import Outcome, credit, share
 
 
 def outcome(truth, verdict="effect", names=(), kind=None, **probability):

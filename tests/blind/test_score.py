@@ -8,7 +8,9 @@ from blind_suite import make_wedges
 from report_example import example
 
 from fvcollapse.__main__ import main
-from fvcollapse.blind.score import answer_of, score, table
+from fvcollapse.blind.answers import answer_of_report
+from fvcollapse.blind.score import score
+from fvcollapse.blind.score_table import table
 from fvcollapse.errors import InputError
 
 RIGHT = {
@@ -185,7 +187,7 @@ def test_the_command_refuses_bad_input(suite, capsys):
 
 def test_a_report_is_an_answer(suite):
     report = example("effect")
-    answer = json.loads(json.dumps(answer_of(report)))
+    answer = json.loads(json.dumps(answer_of_report(report)))
     effect = report.verdict.effects[0]
     assert answer["verdict"] == "effect"
     assert answer["set"] == report.verdict.set
@@ -195,4 +197,4 @@ def test_a_report_is_an_answer(suite):
     assert answer["reduction"]["winner"] == winner.held_out.fraction_closed
     scores = scored(suite, dict.fromkeys(RIGHT, answer))
     assert scores["all"]["top_1"]["value"] < 0.5
-    assert "reduction" not in answer_of(example("none"))
+    assert "reduction" not in answer_of_report(example("none"))

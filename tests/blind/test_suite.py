@@ -6,22 +6,21 @@ import numpy as np
 import pytest
 from toy_laboratory import ToyRunner, film
 
-from fvcollapse.blind import suite as suites
+from fvcollapse.blind import case_evidence, verdict_training
+from fvcollapse.blind.answers import answers, write_answers
+from fvcollapse.blind.case_evidence import BATCH, design_of, study
+from fvcollapse.blind.causes import BLIND, TRAINING, known_effects
+from fvcollapse.blind.distances import distances
+from fvcollapse.blind.evidence_file import read_evidence
 from fvcollapse.blind.forms import answer_problems
-from fvcollapse.blind.generator import BLIND, TRAINING
-from fvcollapse.blind.make import LABELS_FORMAT
-from fvcollapse.blind.suite import (
-    SIMPLE,
-    answers,
+from fvcollapse.blind.labels import LABELS_FORMAT
+from fvcollapse.blind.simple_rules import SIMPLE
+from fvcollapse.blind.verdict_training import (
     cross_validated,
-    design_of,
-    distances,
     make_training,
     may_teach,
-    read_evidence,
-    study,
     train,
-    write_answers,
+    training_classes,
 )
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -69,11 +68,8 @@ def studied(tmp_path_factory):
     causes = [name for name in ("none", "unknown", *OPTIONS["effects"]) for _ in range(PER_CLASS)]
     folder = toy_suite(tmp_path_factory.mktemp("toy"), causes)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(suites.Runner, "__init__", lambda self, *_: None)
-        patch.setattr(suites.Runner, "observations", ToyRunner.observations)
-        patch.setattr(suites.SharingRunner, "asked", set(), raising=False)
-        patch.setattr(suites.SharingRunner, "kept", {})
-        patch.setattr(suites.SharingRunner, "design", None)
+        patch.setattr(case_evidence.Runner, "__init__", ToyRunner.__init__)
+        patch.setattr(case_evidence.Runner, "observations", ToyRunner.observations)
         assert study(folder / "suite", folder / "evidence", **OPTIONS) == {}
         found = distances(folder / "suite", folder / "labels.json", **OPTIONS)
     return folder, found
@@ -152,7 +148,7 @@ def test_the_model_knows_its_suite(model, tmp_path):
 
 def test_evidence_that_is_there_is_kept(studied, monkeypatch):
     folder, _ = studied
-    monkeypatch.setattr(suites, "analysis_of", lambda *_: pytest.fail("computed again"))
+    monkeypatch.setattr(case_evidence, "analysis_of", lambda *_: pytest.fail("computed again"))
     assert study(folder / "suite", folder / "evidence") == {}
 
 
@@ -160,12 +156,12 @@ def test_a_case_that_cannot_be_compared_is_told(studied, monkeypatch, tmp_path):
     folder, _ = studied
     count = []
 
-    def fail(case, path, *_):
+    def fail(case, *_):
         count.append(case)
         if len(count) > 1:
             raise NumericalError("no pivot")
 
-    monkeypatch.setattr(suites, "keep_evidence", fail)
+    monkeypatch.setattr(case_evidence, "keep_evidence", fail)
     failed = study(folder / "suite", tmp_path / "evidence")
     assert len(failed) == 4 * PER_CLASS - 1
 
@@ -191,14 +187,16 @@ def test_a_file_that_is_no_evidence_is_refused(tmp_path):
 
 
 def test_a_training_suite_holds_every_class(monkeypatch):
-    asked = {}
-    monkeypatch.setattr(suites, "make", lambda count, *_, **options: asked.update(options) or count)
-    count = make_training(10, "folder", seed=1)
-    classes = asked["classes"]
-    assert count == len(classes)
-    assert asked["style"] is TRAINING
-    assert asked["style"] is not BLIND
-    assert all(classes.count(name) == 10 for name in suites.known_effects())
+    calls = []
+    monkeypatch.setattr(verdict_training, "make", lambda *arguments: calls.append(arguments))
+    classes = training_classes(10, seed=1)
+    make_training(classes, "folder", seed=1)
+    ((count, _, _, draw, _),) = calls
+    assert count == len(classes) > BATCH
+    assert draw.classes == classes
+    assert draw.style is TRAINING
+    assert draw.style is not BLIND
+    assert all(classes.count(name) == 10 for name in known_effects())
     assert classes.count("none") == classes.count("unknown") == 15
     assert sum("+" in name for name in classes) == 10
 

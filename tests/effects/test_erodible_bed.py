@@ -9,7 +9,7 @@ from effect_runs import CELL, collapse
 from fvcollapse import run
 from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
-from fvcollapse.measure.observables import front_position, thickness
+from fvcollapse.measure.pile import front_position, thickness
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.initial import initial_grid, initial_level_set
 

@@ -7,7 +7,7 @@ import pytest
 from effect_runs import CELL, centre_of_mass, collapse
 
 from fvcollapse.case.case import Case
-from fvcollapse.measure.observables import front_position, thickness
+from fvcollapse.measure.pile import front_position, thickness
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.coulomb_walls import bed_reaction
 from fvcollapse.step.gate import Lift, gate_height, gate_reaction, gate_velocity

@@ -9,10 +9,13 @@ from blind_suite import keep_wedge, wedge
 from fake_simulation import FakeSimulation
 
 from fvcollapse import load_case, load_experiment, observe, open_result
+from fvcollapse.blind import calibration, outcomes
 from fvcollapse.blind import make as making
-from fvcollapse.blind import metrics
-from fvcollapse.blind.score import score, scores_text, table
-from fvcollapse.blind.suite import SIMPLE, answer, read_evidence, simple_answer
+from fvcollapse.blind.answers import answer_of_verdict
+from fvcollapse.blind.evidence_file import read_evidence
+from fvcollapse.blind.score import score
+from fvcollapse.blind.score_table import scores_text, table
+from fvcollapse.blind.simple_rules import SIMPLE, simple_answer
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report.sentences import answer as sentences
@@ -22,6 +25,7 @@ from fvcollapse.errors import InputError
 from fvcollapse.measure.digitised import (
     LENGTHS,
     Source,
+    Units,
     missing_settings,
     read_pairs,
     write_experiment,
@@ -33,6 +37,7 @@ from fvcollapse.studies.cache import RunCache, cached_case
 from fvcollapse.studies.sweep import all_points, parse_variation
 from mutated import hdf5, oracle, seeds, text
 from mutated.values import pick
+from mutated.writers import in_copy, mutated_text
 
 
 class Suite(NamedTuple):
@@ -45,33 +50,6 @@ class Suite(NamedTuple):
     read: object
     short: int  # inputs in the default suite
     long: int  # inputs in the slow suite
-
-
-def mutated_text(mutations):
-    """A writer of one file from `texts(seed)`, a list of (name, bytes)."""
-
-    def writer(texts):
-        def write(seed, rng, folder):
-            name, data = pick(rng, texts(seed))
-            path = folder / name
-            path.write_bytes(text.mutated(data, rng, mutations))
-            return path
-
-        return write
-
-    return writer
-
-
-def in_copy(source, mutations):
-    """A writer of a copy of a seed folder with one of its files mutated: mutations by suffix."""
-
-    def write(seed, rng, folder):
-        place = seeds.fresh(folder, source, seed.folder / source)
-        path = pick(rng, sorted(path for path in place.iterdir() if path.is_file()))
-        path.write_bytes(text.mutated(path.read_bytes(), rng, mutations[path.suffix]))
-        return place
-
-    return write
 
 
 # -- cases ---------------------------------------------------------------------------------------
@@ -122,7 +100,7 @@ def read_digitised(path):
     target = path.parent / "imported"
     for old in target.glob("*"):
         old.unlink()
-    write_experiment([Source("front", path, None)], target, pick(RNG, list(LENGTHS)))
+    write_experiment([Source("front", path, None)], target, Units(pick(RNG, list(LENGTHS))))
     missing_settings(target)
     return found
 
@@ -213,7 +191,8 @@ def read_sealed(folder):
     answers, others = folder / "answers.json", [folder / "answers.json"]
     labels, distances = folder / "suite.labels.json", folder / "distances.json"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(metrics, "SAMPLES", 20)  # of the bootstrap
+        for module in (outcomes, calibration):
+            patch.setattr(module, "SAMPLES", 20)  # of the bootstrap
         scores = score(folder / "suite", answers, labels, others, distances)
     table(scores)
     json.loads(scores_text(scores), parse_constant=float.fromhex)
@@ -271,7 +250,7 @@ def write_evidence(seed):
 
 def read_evidence_file(path):
     content, evidence = read_evidence(path)
-    found = answer(content, verdict(evidence))
+    found = answer_of_verdict(content, verdict(evidence))
     for rule in SIMPLE.values():
         simple_answer(rule(content["simple"]), evidence)
     return list(oracle.impossible_scores(found["probability"]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fvcollapse.case.case import Case
-from fvcollapse.measure.observables import thickness
+from fvcollapse.measure.pile import thickness
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import domain
 

@@ -10,7 +10,7 @@ import numpy as np
 from fvcollapse import observe, run
 from fvcollapse.__main__ import main
 from fvcollapse.case.case import Case
-from fvcollapse.diagnosis.verdict import VerdictModel, solver_of
+from fvcollapse.diagnosis.verdict_model import VerdictModel, solver_of
 from fvcollapse.effects.table import catalogue_table
 from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.measure.observation import flow_case

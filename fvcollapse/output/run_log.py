@@ -1,24 +1,16 @@
-"""What a run tells while it goes on: run.log, progress bar."""
+"""The log of a run: run.log in its folder, which one run at a time may hold."""
 
 import logging
 import platform
-import shutil
 import sys
 from contextlib import contextmanager, suppress
 
-from fvcollapse.console.bars import tqdm
-
-try:
-    import fcntl
-except ImportError:  # not on Windows
-    fcntl = None
-
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.files.locks import exclusive
+from fvcollapse.files.locks import exclusive, fcntl, try_lock
 from fvcollapse.version import __version__
 
-LOG, LOCK = "run.log", ".run.lock"  # the second one where a log cannot be locked
-SAID = set()  # warnings that are said once in a process
+LOG, LOCK = "run.log", ".run.lock"  # the second is used where a log cannot be locked
+SAID = set()  # warnings of this process that are given once
 
 
 class LogFile(logging.FileHandler):
@@ -67,11 +59,12 @@ def only_writer(folder, stream, log):
             yield
         return
     try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise InputError(folder, "folder", "another run that writes there", "a free one") from None
+        free = try_lock(stream)
     except OSError as error:
+        free = True
         log.warning("nothing keeps another run out of this folder: no locks (%s)", error)
+    if not free:
+        raise InputError(folder, "folder", "another run that writes there", "a free one")
     yield
 
 
@@ -90,7 +83,7 @@ def log_start(log, case, stored):
 
 
 def tell(log, message):
-    """A warning in the log and on stderr."""
+    """Write a warning to the log and to stderr."""
     log.warning("%s", message)
     print(message, file=sys.stderr)
 
@@ -100,19 +93,3 @@ def tell_once(log, message):
     if message not in SAID:
         SAID.add(message)
         tell(log, message)
-
-
-def progress_bar(case, start, quiet):
-    """Bar over the simulated time with step, dt and ETA, on stderr."""
-    layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
-    terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room at all
-    return tqdm(
-        total=max(case.time.end, start),
-        initial=start,
-        file=sys.stderr,
-        bar_format=layout,
-        ncols=terminal.columns,
-        nrows=terminal.lines,
-        leave=None,  # below a bar over several runs it goes when it is full
-        disable=quiet or not sys.stderr.isatty(),
-    )

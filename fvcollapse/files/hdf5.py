@@ -1,4 +1,4 @@
-"""HDF5 files that are built in memory, and reading that trusts nothing: nothing is ever unpickled."""
+"""HDF5 files: built in memory, and read without trust. Nothing is ever unpickled."""
 
 from contextlib import contextmanager
 from itertools import count
@@ -9,13 +9,11 @@ import numpy as np
 
 from fvcollapse.errors import InputError, UnreadableError
 from fvcollapse.files.hdf5_safety import unsafe_items
-from fvcollapse.files.regular import refuse_special
+from fvcollapse.files.regular import refuse_unreadable
 from fvcollapse.files.trees import is_text
 
-LIBVER = (
-    "v108",
-    "v110",
-)  # oldest format that takes attributes beyond 64 KB (a case with many output times)
+# the oldest format whose attributes may exceed 64 KB (a case with many output times)
+LIBVER = ("v108", "v110")
 MEMORY_FILES = count()
 BROKEN = (
     OSError,
@@ -56,22 +54,16 @@ def write_dataset(group, name, values, units, description):
 
 @contextmanager
 def reading(source, kind, part="/"):
-    """Open an HDF5 `source` (path or bytes) of format `kind`; any defect is one InputError.
+    """Open an HDF5 `source` (path, or image in memory) of format `kind`; any defect is one InputError.
 
     Whatever leads out of the file is refused (see `hdf5_safety`) in the group `part` that will be read.
+    A file that cannot be read now (not permitted, locked) is an UnreadableError.
     """
-    name = source if isinstance(source, str | Path) else kind
+    in_memory = not isinstance(source, str | Path)
+    name = kind if in_memory else source
     allowed = f"a complete {kind} file written by fvcollapse"
-    try:
-        refuse_special(source)
-        with open(source, "rb"):
-            pass
-    except TypeError:
-        pass  # an image in memory
-    except (OSError, ValueError) as error:
-        problem = (getattr(error, "strerror", None) or str(error)).lower()
-        refusal = UnreadableError if isinstance(error, PermissionError) else InputError
-        raise refusal(name, "file", problem, allowed) from None
+    if not in_memory:
+        refuse_unreadable(source, allowed)
     try:
         with h5py.File(source, "r") as file:
             found = text_attribute(file, "format")

@@ -1,0 +1,161 @@
+"""Cases by the hundred through the evidence of the diagnosis; no label is read.
+
+All cases of a design (the same experiments) share its library of runs, which is computed once, through
+the cache. The cases of a design are taken in batches, so that what has been read of the library serves a
+whole batch.
+"""
+
+import json
+from pathlib import Path
+
+from fvcollapse.blind.evidence_file import content_of
+from fvcollapse.diagnosis.analysis import analyse
+from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.runner import Runner
+from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.targets import make_folder
+from fvcollapse.measure.experiment import SETTINGS, load_experiment
+from fvcollapse.studies.workers import HERE, Resources, run_all
+
+BATCH = 8  # cases of a design that a worker takes at once
+
+
+class RememberingRunner(Runner):
+    """A `Runner` that holds the observations that it has read, for the next case of the same design."""
+
+    def __init__(self, folder=None, resources=HERE):
+        super().__init__(folder, *resources)
+        self.remembered = {}
+
+    def observations(self, wanted):
+        """See `Runner.observations`."""
+        keys = {
+            label: (case, experiment.front_thickness, experiment.time_origin)
+            for label, (experiment, case) in wanted.items()
+        }
+        missing = {
+            label: wanted[label] for label, key in keys.items() if key not in self.remembered
+        }
+        seen, failures = super().observations(missing) if missing else ({}, {})
+        for label, observations in seen.items():
+            self.remembered[keys[label]] = observations
+        known = {
+            label: self.remembered[key] for label, key in keys.items() if key in self.remembered
+        }
+        return known, failures
+
+
+def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
+    """Write the evidence of every case of a folder; files that are there stay.
+
+    Parameters
+    ----------
+    folder : str or Path
+        As `make` leaves it.
+    out : str or Path
+        Gets `<case>.json`.
+    workers, scheduler, quiet
+        See `workers.run_all`.
+    **options
+        `cache`, `cell_size`, `draws`, `effects`, `refinements` and `seed` of the diagnosis.
+
+    Returns
+    -------
+    dict
+        Case -> NumericalError, of those that could not be compared.
+    """
+    out = make_folder(Path(out).absolute())
+    designs = {}
+    for case in case_folders(folder):
+        if not (out / f"{case.name}.json").exists():
+            designs.setdefault(design_of(case), []).append(case)
+    resources, batches = Resources(workers, scheduler, quiet), []
+    for first, *others in designs.values():  # the first of each design computes the library
+        keep_evidence(first, out, runner_of(options, resources), options)
+        batches += in_batches(others)
+    return each_batch(keep_batch, {batch: (batch, out, options) for batch in batches}, resources)
+
+
+def in_batches(cases):
+    """Tuples of at most `BATCH` cases, in order."""
+    return [tuple(cases[start : start + BATCH]) for start in range(0, len(cases), BATCH)]
+
+
+def each_batch(task, calls, resources):
+    """{name of a case: outcome} of a task that returns such a dictionary for every batch of cases.
+
+    Parameters
+    ----------
+    task : function
+    calls : dict
+        Batch (tuple of Path) -> arguments of the task.
+    resources : Resources
+
+    Raises
+    ------
+    FvcollapseError
+        Of a batch; a NumericalError becomes the outcome of its cases instead.
+    """
+    outcomes = {}
+
+    def finished(batch, outcome):
+        if isinstance(outcome, NumericalError):
+            outcomes.update(dict.fromkeys((case.name for case in batch), outcome))
+        elif isinstance(outcome, FvcollapseError):
+            raise outcome
+        else:
+            outcomes.update(outcome)
+
+    run_all(task, calls, finished, *resources)
+    return outcomes
+
+
+def case_folders(folder):
+    """Folders of the cases, in order.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    folder = Path(folder).absolute()
+    cases = sorted({path.parent.parent for path in folder.glob(f"*/*/{SETTINGS}")})
+    if not cases:
+        raise InputError(folder, "folder", "no cases", "a folder that blind make has written")
+    return cases
+
+
+def design_of(case):
+    """Names of the experiments of a case."""
+    return tuple(sorted(path.parent.name for path in case.glob(f"*/{SETTINGS}")))
+
+
+def runner_of(options, resources=HERE):
+    """The runner of a design, with the cache of the options."""
+    return RememberingRunner(options.get("cache"), resources)
+
+
+def analysis_of(case, runner, options):
+    """The `Analysis` of a case."""
+    options = {name: value for name, value in options.items() if name != "cache"}
+    asked = {name: options.pop(name) for name in ("cell_size", "seed") if name in options}
+    experiments = tuple(load_experiment(case / name) for name in design_of(case))
+    return analyse(Question(experiments, **asked), runner, **options)
+
+
+def keep_evidence(case, out, runner, options):
+    """Write the evidence of one case into a folder."""
+    content = content_of(analysis_of(case, runner, options))
+    write_atomic(out / f"{case.name}.json", (json.dumps(content) + "\n").encode())
+
+
+def keep_batch(cases, out, options):
+    """Write the evidence of cases of one design; {case: NumericalError} of those that failed."""
+    runner, failed = runner_of(options), {}
+    for case in cases:
+        try:
+            keep_evidence(case, out, runner, options)
+        except NumericalError as error:
+            failed[case.name] = error
+    return failed

@@ -1,0 +1,93 @@
+"""Two diagnoses compared, parameters beside their true values, predicted beside actual reductions.
+
+References
+----------
+McNemar (1947), Psychometrika 12, 153.
+"""
+
+import numpy as np
+from scipy.stats import binomtest
+
+from fvcollapse.blind.outcomes import bootstrapped, share
+
+NORMAL_90 = 3.2897  # width of a central interval of 90 % in standard deviations
+
+
+def mcnemar(first, second):
+    """Whether two diagnoses of the same cases differ: discordant cases and the exact p-value.
+
+    Parameters
+    ----------
+    first, second : sequences of Outcome
+        In the same order.
+    """
+    right = [
+        [outcome.ranked()[0] == outcome.truth for outcome in outcomes]
+        for outcomes in (first, second)
+    ]
+    pairs = list(zip(*right, strict=True))
+    only_first = sum(a and not b for a, b in pairs)
+    only_second = sum(b and not a for a, b in pairs)
+    count = only_first + only_second
+    p_value = float(binomtest(only_first, count).pvalue) if count else 1.0
+    return {"only_first": only_first, "only_second": only_second, "p_value": p_value}
+
+
+def parameter_scores(rows):
+    """Errors of estimated parameters in their standard deviations, and coverage of the 90 % intervals.
+
+    Parameters
+    ----------
+    rows : list of dict
+        With `true`, `value`, `low`, `high`.
+    """
+    z = [
+        NORMAL_90 * (row["value"] - row["true"]) / (row["high"] - row["low"])
+        for row in rows
+        if row["high"] > row["low"]
+    ]
+    covered = share(row["low"] <= row["true"] <= row["high"] for row in rows)
+    if len(z) < 2:
+        return {"z_mean": None, "z_sd": None, "interval_90_covers": covered}
+    z = np.array(z)
+    return {
+        "z_mean": bootstrapped(lambda i: z[i].mean(), len(z)),
+        "z_sd": bootstrapped(lambda i: z[i].std(), len(z)),
+        "interval_90_covers": covered,
+    }
+
+
+def reduction_scores(rows, tolerance=0.15):
+    """Predicted beside actual reduction of the gap, and winner beside runner-up.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Fractions of the gap closed, each may be None: `predicted` and `actual` of the fitted experiments,
+        `winner` (absent: `actual`) and `runner_up` of those held out.
+    tolerance : float
+        Largest difference that counts as right.
+    """
+    both = [
+        (r["predicted"], r["actual"]) for r in rows if None not in (r["predicted"], r["actual"])
+    ]
+    duels = [(r.get("winner", r["actual"]), r["runner_up"]) for r in rows]
+    duel = [pair for pair in duels if None not in pair]
+    table = {
+        "within_tolerance": share(abs(p - a) <= tolerance for p, a in both),
+        "winner_beats_runner_up": share(a > b for a, b in duel),
+        "rms": None,
+        "slope": None,
+    }
+    if len(both) > 2:
+        p, a = np.array(both).T
+        table["rms"] = bootstrapped(lambda i: np.sqrt(np.mean((p - a)[i] ** 2)), len(p))
+        if np.ptp(p) > 0.0:
+            table["slope"] = bootstrapped(lambda i: slope(p[i], a[i]), len(p))
+    return table
+
+
+def slope(x, y):
+    """Least-squares slope of y over x; NaN where x does not vary."""
+    spread = ((x - x.mean()) ** 2).sum()
+    return ((x - x.mean()) * (y - y.mean())).sum() / spread if spread > 0.0 else np.nan

@@ -1,0 +1,110 @@
+"""The labels of a suite: the hidden cause of every case, with the salt of its hash.
+
+They are kept in one file outside the folder of the cases, readable to their owner only.
+"""
+
+import json
+import os
+from typing import NamedTuple
+
+import numpy as np
+
+from fvcollapse.blind.causes import BLIND, Style, draw_classes
+from fvcollapse.blind.forms import label_problems, read_form, refuse_names
+from fvcollapse.blind.generator import draw_label
+from fvcollapse.case.case import case_from_text
+from fvcollapse.errors import InputError
+from fvcollapse.files.atomic import write_atomic
+from fvcollapse.output.fingerprint import solver_version
+
+LABELS_FORMAT = "fvcollapse-labels"
+FORMAT_VERSION = 1
+
+
+class Draw(NamedTuple):
+    """What the labels of a suite are drawn from.
+
+    Attributes
+    ----------
+    style : Style
+    classes : sequence of str or None
+        Cause of each case; None: `draw_classes`.
+    seed : int or None
+        For a suite that anybody can make again; None: entropy of the system.
+    cells : (float, float) or None
+        Range of the number of cells in the height, instead of that of the style.
+    """
+
+    style: Style = BLIND
+    classes: tuple | None = None
+    seed: int | None = None
+    cells: tuple | None = None
+
+
+def begun_plan(count, folder, labels):
+    """The plan in a file of labels that was begun for this folder, else None.
+
+    Raises
+    ------
+    InputError
+        It is of another suite, or the folder has contents and no labels.
+    """
+    if labels.exists():
+        plan = read_labels(labels)
+        if len(plan["cases"]) != count:
+            allowed = f"{len(plan['cases'])}, as in {labels}, or other labels"
+            raise InputError("command line", "--cases", f"{count}", allowed)
+        refuse_bad_cases(labels, plan)
+        return plan
+    if any(folder.iterdir()):
+        raise InputError(folder, "folder", "contents without labels", "an empty or new folder")
+    return None
+
+
+def draw_plan(count, draw):
+    """All labels: {"cases": {name: {"salt", "seed", "attempt", "label"}}} and the solver."""
+    draws = np.random.default_rng(draw.seed)  # without a seed: entropy of the system
+    classes = draw_classes(count, draws) if draw.classes is None else list(draw.classes)
+    digits = max(3, len(str(count)))
+    cases = {}
+    for number, cause in enumerate(classes, start=1):
+        entry = {"salt": os.urandom(16).hex(), "seed": int(draws.integers(2**63)), "attempt": 0}
+        cases[f"case_{number:0{digits}d}"] = entry | {"label": label_of(cause, entry, draw)}
+    about = {"format": LABELS_FORMAT, "format_version": FORMAT_VERSION}
+    return about | {"solver": solver_version(), "cases": cases}
+
+
+def label_of(cause, entry, draw):
+    """The label of an entry; another attempt is another draw."""
+    return draw_label(cause, draw.style, entry["seed"] + entry["attempt"], draw.cells)
+
+
+def write_labels(path, plan):
+    """Write the labels, readable to their owner only from the first byte on."""
+    text = json.dumps(plan, indent=1) + "\n"
+    write_atomic(path, text.encode(), running=False, private=True)
+
+
+def read_labels(path):
+    """The labels in a file.
+
+    Raises
+    ------
+    InputError
+    """
+    plan = read_form(path, LABELS_FORMAT)
+    refuse_names(path, plan["cases"])
+    for name, entry in plan["cases"].items():
+        for key, found, allowed in label_problems(entry):
+            raise InputError(path, f"cases.{name}.{key}", found, allowed)
+    return plan
+
+
+def refuse_bad_cases(path, plan):
+    """Refuse labels without a truth, or with one that is no case, before any of them is run."""
+    for name, entry in plan["cases"].items():
+        if not entry["label"]["experiments"]:
+            key = f"cases.{name}.label.experiments"
+            raise InputError(path, key, "no experiment", "one or more")
+        for run, experiment in entry["label"]["experiments"].items():
+            case_from_text(experiment["case"], f"{path}: cases.{name}.label.experiments.{run}.case")

@@ -1,0 +1,15 @@
+"""`blind`: the blind check of the diagnosis."""
+
+from fvcollapse.commands import blind_make, blind_score
+
+
+def add_parser(commands):
+    """Add `blind` to the commands."""
+    parser = commands.add_parser(
+        "blind",
+        help="make sealed synthetic cases, score the answers to them",
+        description="The blind check of the diagnosis.",
+    )
+    parts = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    blind_make.add_parser(parts)
+    blind_score.add_parser(parts)

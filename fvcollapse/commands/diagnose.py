@@ -1,0 +1,105 @@
+"""`diagnose`: the gap between experiments and a model."""
+
+import textwrap
+from pathlib import Path
+
+from fvcollapse.commands.arguments import add_force, add_quiet, add_scheduler, add_workers
+from fvcollapse.files.plain_numbers import decimal_number, whole_number
+
+
+def add_parser(commands):
+    """Add `diagnose` to the commands."""
+    parser = commands.add_parser(
+        "diagnose",
+        help="where experiments and model differ, which effect causes it, how far adding it helps",
+        description=execute.__doc__,
+    )
+    add_experiments(parser)
+    add_settings(parser)
+    add_workers(parser, 2)
+    add_scheduler(parser)
+    add_quiet(parser)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="folder of the report"
+    )
+    add_force(parser)
+    parser.set_defaults(command=execute)
+
+
+def add_experiments(parser):
+    """The experiments, the case to compare them with, and the part that each of them has."""
+    parser.add_argument(
+        "experiments", metavar="EXPERIMENT", nargs="+", type=Path, help="experiment folders"
+    )
+    parser.add_argument(
+        "--case", metavar="CASE.toml", type=Path, help="what is believed; default: no effects"
+    )
+    parser.add_argument(
+        "--hold-out",
+        metavar="EXPERIMENT",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="experiments that only test what was found",
+    )
+    parser.add_argument(
+        "--controls",
+        metavar="EXPERIMENT",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="experiments in which nothing is hidden: they teach the discrepancy of the model",
+    )
+
+
+def add_settings(parser):
+    """How the experiments are compared."""
+    parser.add_argument(
+        "--effects", metavar="a,b,...", help="only these of the catalogue; default all"
+    )
+    parser.add_argument(
+        "--cell-size",
+        metavar="VALUE",
+        type=decimal_number,
+        help="of the coarser of two grids [m]; default a twelfth of the height",
+    )
+    parser.add_argument(
+        "--seed", metavar="N", type=whole_number, default=0, help="of all draws; default 0"
+    )
+    parser.add_argument(
+        "--cache", metavar="FOLDER", type=Path, help="where finished runs are kept and found"
+    )
+
+
+def execute(arguments):
+    """Compare experiments with a model and its possible effects; continue what is there; write a report."""
+    from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
+    from fvcollapse.diagnosis.report import FILE_NAME
+    from fvcollapse.diagnosis.report.page import PAGE
+    from fvcollapse.diagnosis.report.sentences import answer
+
+    effects = arguments.effects
+    report = diagnose_all(
+        arguments.experiments,
+        arguments.case,
+        arguments.hold_out,
+        None if effects is None else [name.strip() for name in effects.split(",")],
+        arguments.workers,
+        arguments.scheduler,
+        arguments.out,
+        arguments.cell_size,
+        arguments.seed,
+        controls=arguments.controls,
+        cache=arguments.cache,
+        quiet=arguments.quiet,
+        force=arguments.force,
+    )
+    for sentence in answer(report):
+        print(textwrap.fill(sentence, 100))
+    print()
+    ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
+    width = max(len(name) for name, _ in ranked)
+    for name, chance in ranked:
+        print(f"{name:<{width}}  {chance:6.3f}")
+    print(f"\n{arguments.out / FILE_NAME}\n{arguments.out / PAGE}")
+    return 0

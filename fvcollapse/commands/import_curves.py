@@ -1,0 +1,84 @@
+"""`import-curves`: files of a digitising tool as an experiment folder."""
+
+from math import isfinite
+from pathlib import Path
+
+from fvcollapse.commands.arguments import add_force
+from fvcollapse.errors import InputError
+from fvcollapse.files.plain_numbers import decimal_number
+
+
+def add_parser(commands):
+    """Add `import-curves` to the commands."""
+    parser = commands.add_parser(
+        "import-curves",
+        help="make an experiment folder of digitised curves",
+        description=execute.__doc__,
+    )
+    for option, what in (("--front", "time and front position"), ("--volume", "time and change")):
+        parser.add_argument(option, metavar="FILE", type=Path, help=f"{what}, in two columns")
+    for option, what in (("--profile", "x and thickness"), ("--interface", "x and height")):
+        parser.add_argument(
+            option,
+            metavar="T=FILE",
+            action="append",
+            default=[],
+            help=f"{what} at the time T [s], in two columns; may be repeated",
+        )
+    for option, choices in (
+        ("--length-unit", ("m", "dm", "cm", "mm")),
+        ("--time-unit", ("s", "ms")),
+        ("--volume-unit", ("1", "%%")),
+    ):
+        parser.add_argument(
+            option,
+            choices=[choice.replace("%%", "%") for choice in choices],
+            default=choices[0],
+            help=f"of the files: {', '.join(choices)}; default {choices[0]}",
+        )
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        metavar="section.key=value",
+        action="append",
+        default=[],
+        help="a key of the new experiment.toml; may be repeated",
+    )
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="experiment folder"
+    )
+    add_force(parser)
+    parser.set_defaults(command=execute)
+
+
+def execute(arguments):
+    """Write digitised curves (x, y without header; any column and decimal mark) as an experiment."""
+    from fvcollapse.measure.digitised import Source, Units, missing_settings, write_experiment
+
+    sources = [
+        Source(name, path, None)
+        for name, path in (("front", arguments.front), ("volume", arguments.volume))
+        if path is not None
+    ]
+    for option, name in (("profile", "profiles"), ("interface", "interface")):
+        sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
+    units = Units(arguments.length_unit, arguments.time_unit, arguments.volume_unit)
+    changes = {"settings": arguments.settings, "force": arguments.force}
+    for path in write_experiment(sources, arguments.out, units, **changes):
+        print(path)
+    missing = missing_settings(arguments.out)
+    if missing:
+        print(f"still to be filled in: {missing}")
+    return 0
+
+
+def timed(option, text):
+    """(path, time [s]) of T=FILE."""
+    time, _, path = text.partition("=")
+    try:
+        number = decimal_number(time)
+    except ValueError:
+        number = float("nan")
+    if not (isfinite(number) and path):
+        raise InputError("command line", f"--{option}", repr(text), "T=FILE with a time T in s")
+    return Path(path), number

@@ -1,0 +1,37 @@
+"""`run`: one simulation."""
+
+from pathlib import Path
+
+from fvcollapse.commands.arguments import add_case, add_force, add_quiet
+
+
+def add_parser(commands):
+    """Add `run` to the commands."""
+    parser = commands.add_parser("run", help="run one simulation", description=execute.__doc__)
+    add_case(parser)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="continue also to another end, or with other outputs",
+    )
+    add_force(parser)
+    add_quiet(parser)
+    parser.set_defaults(command=execute)
+
+
+def execute(arguments):
+    """Run one simulation and print its summary."""
+    from fvcollapse.case.case import load_case
+
+    case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.output.run import run_case  # heavy, and not needed to refuse a bad case
+    from fvcollapse.output.run_folder import holds_run
+
+    folder = arguments.out or Path("out") / arguments.case.stem
+    resume = arguments.resume or holds_run(case, folder)
+    result = run_case(case, folder, resume, quiet=arguments.quiet, force=arguments.force)
+    print(result.summary_table())
+    return 0
