@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from msgspec.structs import replace
+from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import Case, load_case
 from fvcollapse.diagnosis.analysis import analyse
@@ -104,10 +105,11 @@ def diagnose(
         make_folder(Path(folder) / FIGURES)
     tell(warnings)
     runner = Runner(cache, workers, scheduler, quiet)
-    analysis = analyse(question, runner, effects=effects, draws=draws)
-    analysis, judged, model = judge(analysis)
-    ladder = climb(analysis, runner, *contenders(analysis, judged))
-    following = choices(analysis, judged.probability, runner)
+    with threadpool_limits(1):  # the matrices are small: two threads take three times as long
+        analysis = analyse(question, runner, effects=effects, draws=draws)
+        analysis, judged, model = judge(analysis)
+        ladder = climb(analysis, runner, *contenders(analysis, judged))
+        following = choices(analysis, judged.probability, runner)
     cost = cost_of(question, runner, time.perf_counter() - start)
     report = report_of(analysis, judged, ladder, following, cost, model)
     report = replace(report, warnings=warnings)

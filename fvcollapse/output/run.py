@@ -17,28 +17,28 @@ from fvcollapse.console.interruption import Interrupted, deferred_interrupt
 from fvcollapse.errors import (
     InputError,
     OutputError,
-    UnreadableError,
     as_output_error,
     failures_named,
 )
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
-from fvcollapse.output.checkpoint import checkpoint_image, read_checkpoint, write_header
+from fvcollapse.output.checkpoint import checkpoint_image, write_header
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
 from fvcollapse.output.run_folder import (
     CHECKPOINT,
     RESULT,
     XDMF,
+    finished_result,
     holds_run,
     ready,
     refuse_existing,
-    refuse_other_case,
     renew_xdmf,
     tidy,
+    usable_checkpoint,
 )
-from fvcollapse.output.run_log import log_start, run_log, tell, tell_once
+from fvcollapse.output.run_log import log_start, run_log, tell_once
 from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
@@ -264,49 +264,3 @@ class Keeper:
             job.state.step,
             self.capped,
         )
-
-
-# -- what is in the folder -----------------------------------------------------------------------
-
-
-def usable_checkpoint(folder, log):
-    """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
-    path = folder / CHECKPOINT
-    if not path.exists():
-        tell(log, f"{path}: no checkpoint; the run starts from t = 0")
-        return None
-    try:
-        return read_checkpoint(path)
-    except UnreadableError:  # it may be sound
-        raise
-    except InputError as error:
-        tell(log, f"checkpoint not usable, the run starts from t = 0: {error}")
-        return None
-
-
-def finished_result(case, folder, stored, log):
-    """The result in the folder if it is complete to the end of the case, else None.
-
-    Raises
-    ------
-    InputError
-        Result or checkpoint belong to another case, or the result may be of anything.
-    """
-    previous = None
-    if (folder / RESULT).exists():
-        try:
-            previous = open_result(folder)
-        except UnreadableError:
-            raise
-        except InputError as error:
-            log.warning("previous result not usable: %s", error)
-    if stored is not None:
-        refuse_other_case(case, case_from_text(stored.case_text), folder / CHECKPOINT)
-    if previous is None and stored is None and (folder / RESULT).exists():
-        found = "a file of unknown origin: it cannot be read, and there is no checkpoint beside it"
-        raise InputError(folder / RESULT, "file", found, "another folder, or --force")
-    if previous is not None:
-        refuse_other_case(case, previous.case, folder / RESULT)
-        if previous.complete and case.time.end <= previous.case.time.end + SAME_TIME:
-            return previous
-    return None

@@ -9,6 +9,10 @@ from fvcollapse.files.atomic import remove_stale, write_atomic
 from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.files.targets import is_there
 from fvcollapse.output import checkpoint, result
+from fvcollapse.output.checkpoint import read_checkpoint
+from fvcollapse.output.recorder import SAME_TIME
+from fvcollapse.output.result import open_result
+from fvcollapse.output.run_log import tell
 from fvcollapse.output.xdmf import xdmf_text
 
 RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
@@ -114,3 +118,46 @@ def renew_xdmf(folder):
     path = folder / XDMF
     if not path.is_file() or path.read_bytes() != text:
         write_atomic(path, text, running=False)
+
+
+def usable_checkpoint(folder, log):
+    """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
+    path = folder / CHECKPOINT
+    if not path.exists():
+        tell(log, f"{path}: no checkpoint; the run starts from t = 0")
+        return None
+    try:
+        return read_checkpoint(path)
+    except UnreadableError:  # it may be sound
+        raise
+    except InputError as error:
+        tell(log, f"checkpoint not usable, the run starts from t = 0: {error}")
+        return None
+
+
+def finished_result(case, folder, stored, log):
+    """The result in the folder if it is complete to the end of the case, else None.
+
+    Raises
+    ------
+    InputError
+        Result or checkpoint belong to another case, or the result may be of anything.
+    """
+    previous = None
+    if (folder / RESULT).exists():
+        try:
+            previous = open_result(folder)
+        except UnreadableError:
+            raise
+        except InputError as error:
+            log.warning("previous result not usable: %s", error)
+    if stored is not None:
+        refuse_other_case(case, case_from_text(stored.case_text), folder / CHECKPOINT)
+    if previous is None and stored is None and (folder / RESULT).exists():
+        found = "a file of unknown origin: it cannot be read, and there is no checkpoint beside it"
+        raise InputError(folder / RESULT, "file", found, "another folder, or --force")
+    if previous is not None:
+        refuse_other_case(case, previous.case, folder / RESULT)
+        if previous.complete and case.time.end <= previous.case.time.end + SAME_TIME:
+            return previous
+    return None
