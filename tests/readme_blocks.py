@@ -1,6 +1,6 @@
 """Code blocks of README files, and a checkout in which they run.
 
-The line that opens a block says what it is: its language, and `slow` for a block that takes minutes. A block of
+The line that opens a block says its language; `<!-- slow -->` before it marks a block that takes minutes. A block of
 `toml` names the file as which a reader saves it. `sh` and `python` are executed; `text` is what a command prints.
 """
 
@@ -13,25 +13,23 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).parents[1]
-BLOCK = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
+SLOW = "<!-- slow -->"
+BLOCK = re.compile(
+    rf"(?P<slow>^{SLOW}\n)?^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE
+)
 EXECUTED, SAVED, SHOWN = ("sh", "python"), ("toml",), ("text",)
-SLOW = "slow"
 LEFT_OUT = shutil.ignore_patterns(
     ".git", ".venv*", ".*_cache", ".hypothesis", "out", "dist", "*.egg-info"
 )
 
 
 class Block(NamedTuple):
-    """A block of code with its language and the other words of its first line."""
+    """A block of code: its language, the other words of its first line, and whether it takes minutes."""
 
     language: str
     words: tuple
     code: str
-
-    @property
-    def is_slow(self):
-        """Whether it takes minutes."""
-        return SLOW in self.words
+    is_slow: bool = False
 
 
 def blocks_of(path):

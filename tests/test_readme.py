@@ -10,7 +10,6 @@ from readme_blocks import (
     ROOT,
     SAVED,
     SHOWN,
-    SLOW,
     Block,
     blocks_of,
     checkout,
@@ -50,7 +49,7 @@ def test_every_block_is_saved_run_or_shown(path):
     for block in blocks_of(path):
         assert block.language in (*EXECUTED, *SAVED, *SHOWN), block
         if block.language in EXECUTED:
-            assert block.words in ((), (SLOW,)), block
+            assert not block.words, block
         else:
             assert len(block.words) == (1 if block.language in SAVED else 0), block
 
