@@ -35,8 +35,15 @@ class Block(NamedTuple):
 def blocks_of(path):
     """The blocks of a README file in their order."""
     text = path.read_text(encoding="utf-8")
-    infos = [(match["info"].split(), match["code"]) for match in BLOCK.finditer(text)]
-    return [Block(words[0] if words else "", tuple(words[1:]), code) for words, code in infos]
+    return [
+        block_of(match["info"].split(), match["code"], match["slow"] is not None)
+        for match in BLOCK.finditer(text)
+    ]
+
+
+def block_of(words, code, is_slow):
+    """A block from the words of the line that opens it."""
+    return Block(words[0] if words else "", tuple(words[1:]), code, is_slow)
 
 
 def checkout(folder):
