@@ -8,6 +8,7 @@ import sys
 
 from fvcollapse.__main__ import main
 from fvcollapse.output import run as output
+from fvcollapse.output.trust import COMPLETE
 from fvcollapse.studies.cache import cache_key
 
 Keeper, log_start = output.Keeper, output.log_start
@@ -26,9 +27,9 @@ class OftenKept(Keeper):
     def __init__(self, job, folder, log, interval):
         super().__init__(job, folder, log, 0.1)
 
-    def save(self, complete):
-        super().save(complete)
-        if complete:
+    def save(self, status):
+        super().save(status)
+        if status == COMPLETE:
             note("end", self.job.case)
 
 
