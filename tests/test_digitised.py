@@ -189,7 +189,7 @@ def test_curves_become_an_experiment(files, capsys):
 def test_what_is_not_known_is_asked_for_and_later_curves_join(files, capsys):
     assert imported("--front", "front.txt", *UNITS) == 0
     assert "still to be filled in" in (out := capsys.readouterr().out)
-    assert "geometry.slope_angle_deg: found no such key" in out
+    assert "geometry.slope_angle_deg, geometry.height_0, geometry.length_0 in " in out
     path = files / "beads" / "experiment.toml"
     text = path.read_text()
     for line in ("slope_angle_deg = 16", "height_0 = 0.14", "length_0 = 0.2"):

@@ -3,7 +3,7 @@
 Only what differs from the defaults need be written. The defaults are the paper's Table I at 22°,
 w = 10 cm, 6 mm, without any effect; a section `[effects.<name>]`, even empty, switches that effect
 on. SI units throughout, degrees only where a key ends in `_deg`. Each key keeps its unit, range,
-default and meaning in the model below (`describe_keys()`, `fvcollapse keys`).
+default and meaning in its section (`sections.py`, `effects/<name>.py`; `describe_keys()`, `fvcollapse keys`).
 """
 
 import tomllib

@@ -1,4 +1,4 @@
-"""The rules of a case that tie several keys together; the range of one key stands in `case.py`.
+"""The rules of a case that tie several keys together; the range of one key stands in `sections.py`.
 
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """

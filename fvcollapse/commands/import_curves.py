@@ -52,7 +52,7 @@ def add_parser(commands):
 
 
 def execute(arguments):
-    """Write digitised curves (x, y without header; any column and decimal mark) as an experiment."""
+    """Write digitised curves (x, y; up to three header lines; any column and decimal mark) as an experiment."""
     from fvcollapse.measure.digitised import Source, Units, missing_settings, write_experiment
 
     sources = [

@@ -43,7 +43,7 @@ def measurement_covariance(points, sensitivity):
     ----------
     points : Points
     sensitivity : Sensitivity
-        Of a simulation on these points (`points.sensitivity`).
+        Of a simulation on these points (`Points.sensitivity`).
     """
     covariance = np.diag(floored(points) ** 2)
     heights = np.isin(points.observable, HEIGHTS)

@@ -27,7 +27,7 @@ class Ladder:
     Attributes
     ----------
     fits : dict
-        Model (key of `report.RUNGS`) -> `Refit`; a model whose runs failed is not there.
+        Model (key of `names.RUNGS`) -> `Refit`; a model whose runs failed is not there.
     names : dict
         Model -> name of its hypothesis ("" for the first two).
     quantities : tuple of Nuisance

@@ -17,9 +17,10 @@ from fvcollapse.measure.experiment import (
     SETTINGS,
     is_complete,
     load_experiment,
+    read_draft,
     read_measurements,
 )
-from fvcollapse.measure.experiment_keys import describe_keys, settings_from_table
+from fvcollapse.measure.experiment_keys import describe_keys, rule_required, settings_from_table
 from fvcollapse.measure.quantities import CURVES
 from fvcollapse.measure.uncertainty import Uncertainty
 
@@ -205,6 +206,10 @@ def is_utf8(text):
 
 def missing_settings(folder):
     """What an experiment folder still lacks to be read, as one line; "" if nothing."""
+    path = Path(folder) / SETTINGS
+    absent = [key for key, *_ in rule_required(read_draft(path))]
+    if absent:
+        return f"{', '.join(absent)} in {path}"
     try:
         load_experiment(folder)
     except InputError as error:

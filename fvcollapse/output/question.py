@@ -5,7 +5,7 @@ computed (number of workers, scheduler, cache) nor what is printed.
 
 - A folder of results (`sweep`, `converge`, `diagnose`, `plot`) holds its question in `question.json`. A
   folder with other contents and without that file is foreign.
-- A folder of one run holds it as the case in `result.h5` and `checkpoint.h5`; see `output.run_case`.
+- A folder of one run holds it as the case in `result.h5` and `checkpoint.h5`; see `output.run.run_case`.
 - A single file (`--json`, `--markdown`, a curve of `import-curves`) holds no question: one that is
   there is refused, unless its contents are to be the same.
 - `blind make` has its own record, the sealed labels, and no `--force`: labels are never replaced.

@@ -65,7 +65,7 @@ def read_record(file, case, complete_fields=False):
     Parameters
     ----------
     file : h5py.File
-        A result, an extract or a checkpoint, see `files.reading`.
+        A result, an extract or a checkpoint, see `files.hdf5.reading`.
     case : Case
         The one in the file.
     complete_fields : bool

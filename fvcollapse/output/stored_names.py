@@ -74,7 +74,7 @@ STEPS = {
     "time": ("s", "time at the end of the step"),
     "dt": ("s", "length of the step"),
     "sweeps": ("1", "nonlinear iterations"),
-    "linear_iterations": ("1", "iterations of the linear solver"),
+    "linear_iterations": ("1", "linear solves, one in each sweep (as `sweeps`)"),
     "residual": (
         "1",
         "relative residual of the nonlinear iteration at the end of the step, infinity norm",

@@ -1,1 +1,1 @@
-"""One time step: one file per term of the balance; see `fvcollapse.simulation` for their order."""
+"""One time step: one file per term of the balance; `advance` has their order."""

@@ -42,7 +42,7 @@ class Member(NamedTuple):
     profiles : tuple of float
         Times whose thickness profile and static–flowing interface enter the tables [s].
     keep : tuple of str
-        What else enters them, by the names of `extract.KEPT`.
+        What else enters them, by the names of `curves.KEPT`.
     """
 
     settings: dict

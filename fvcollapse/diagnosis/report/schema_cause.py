@@ -29,7 +29,7 @@ class Verdict(Part):
 
 
 class PriorRange(Part):
-    """Prior of a parameter, as `fvcollapse.effects.catalogue.Prior`."""
+    """Prior of a parameter, as `fvcollapse.effects.effect.Prior`."""
 
     kind: str
     first: float

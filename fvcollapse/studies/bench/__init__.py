@@ -146,7 +146,7 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=
         known = {name: until(case, end) for name, case in known.items()}
     for name in names:
         if name not in known:
-            raise InputError("command line", "case", name, "one of " + ", ".join(known))
+            raise InputError("command line", "NAME", name, "one of " + ", ".join(known))
     if effects:
         chosen = dict.fromkeys([NO_EFFECT, *(names or known)])
         return run_effects({name: known[name] for name in chosen}, path, quiet)
