@@ -16,7 +16,7 @@ from fvcollapse.errors import OutputError
 from fvcollapse.files.locks import fcntl, try_lock
 
 PREFIX, SUFFIX = ".fvcollapse-", ".tmp"  # of temporary files
-PRIVATE, USUAL = 0o600, 0o666  # modes; the second one before the mask of the process
+USUAL = 0o666  # permissions of a file that is not private, before the mask of the process
 
 
 def write_atomic(path, data, running=True, private=False):
