@@ -39,7 +39,7 @@ from fvcollapse.output.run_folder import (
     usable_checkpoint,
 )
 from fvcollapse.output.run_log import log_start, run_log, tell_once
-from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
+from fvcollapse.output.stepping import Pace, ending, march_on, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
 from fvcollapse.simulation import Simulation
@@ -152,30 +152,39 @@ class Job:
         self.case, self.landings = case, schedule(case)
         if stored is None:
             self.simulation, self.recorder = simulate(case), Recorder()
-            self.recorder.add_series(self.simulation)
-            self.recorder.add_snapshot(self.simulation, self.landings[0])
+            self.recorder.add_start(self.simulation, self.landings[0])
         else:
             self.simulation, self.recorder = simulate(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
+            self.simulation.watch_energy(self.recorder.series)
         self.state = self.simulation.state.copy()  # the last good state
-        self.guards = guards_of(self.simulation, self.recorder)
+        self.pace = Pace()
 
-    def march(self, bar, after_step=lambda record: None):
+    def march(self, bar, after_steps=lambda records: None):
         """Step from the present time to the end of the case, landing on every scheduled time."""
         with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
             for landing in self.landings:
                 while self.state.time < landing.time - SAME_TIME:
-                    record = self.step(landing)
+                    records = self.steps(landing)
                     bar.set_postfix_str(
-                        f"step {self.state.step}, dt {record.dt:.1e} s", refresh=False
+                        f"step {self.state.step}, dt {self.state.dt:.1e} s", refresh=False
                     )
                     bar.update(self.state.time - bar.n)
-                    after_step(record)
+                    after_steps(records)
 
-    def step(self, landing):
-        """One step towards a landing, recorded; return its `StepRecord`."""
-        record, self.state = guarded_step(self.simulation, self.recorder, self.guards, landing)
-        return record
+    def steps(self, landing):
+        """Some steps towards a landing, recorded; return their `StepRecord`s.
+
+        Raises
+        ------
+        NumericalError
+            A step has failed; the good ones before it are recorded.
+        """
+        marched = march_on(self.simulation, self.recorder, landing, self.pace)
+        self.state = marched.state.copy()
+        if marched.problem is not None:
+            raise marched.problem
+        return marched.records
 
     def consistent(self):
         """Whether record and last good state belong together (not in the midst of a step)."""
@@ -206,8 +215,9 @@ class Keeper:
     def march(self, bar, interrupted):
         """Run the job to its end; the last good state is saved, whatever ends the run."""
 
-        def after_step(record):
-            self.note(record)
+        def after_steps(records):
+            for record in records:
+                self.note(record)
             if number := interrupted():
                 raise Interrupted(number)
             if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
@@ -215,7 +225,7 @@ class Keeper:
 
         self.running = True
         try:
-            self.job.march(bar, after_step)
+            self.job.march(bar, after_steps)
         except OutputError:  # the log says so already
             raise
         except KeyboardInterrupt:

@@ -53,6 +53,18 @@ def new_system(n, half_bandwidth):
     return np.zeros((rows, width_of(half_bandwidth))), np.zeros(rows)
 
 
+@inner_jit()
+def system_in(memory, ends):
+    """Memory, band and right-hand side as of `allocate_system`, for kernels; new memory where it does not suffice."""
+    half_bandwidth = 0
+    for n in range(ends.size):
+        half_bandwidth = max(half_bandwidth, ends[n] - n)
+    rows, width = ends.size + LANES, width_of(half_bandwidth)
+    if memory.size < rows * width:
+        memory = np.zeros(rows * width)
+    return memory, memory[: rows * width].reshape(rows, width), np.zeros(rows)
+
+
 @kernel_jit()
 def clear(band, ends):
     """Zero within the envelope; there is nothing else outside of it."""

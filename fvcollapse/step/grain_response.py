@@ -6,7 +6,7 @@ Dilatancy, friction hysteresis and nonlocal fluidity change the coefficients of 
 * the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy).
 
 They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
-tan(psi); nonlocal fluidity, which makes the law with these two nonlocal. `Response.active` is false
+tan(psi); nonlocal fluidity, which makes the law with these two nonlocal. `Response.present` is false
 without them, and then nothing here is called.
 """
 
@@ -24,10 +24,13 @@ from .rheology import ETA_FLOOR
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
-class Response(NamedTuple):
-    """Laws of the effects; `active` says whether any of them has a strength, `length` is A d in m."""
+ANSWERING = ("dilatancy", "friction_hysteresis", "nonlocal")  # effects that answer the sweeps
 
-    active: bool
+
+class Response(NamedTuple):
+    """Laws of the effects; `present` says whether any of them is on, `length` is A d in m."""
+
+    present: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
     length: float
@@ -54,8 +57,8 @@ class ResponseWork(NamedTuple):
 def response_of(case):
     """`Response` of a case."""
     dilatancy, hysteresis, length = dilatancy_law(case), hysteresis_law(case), nonlocal_length(case)
-    active = dilatancy.factor > 0.0 or hysteresis.delta_mu > 0.0 or length > 0.0
-    return Response(active, dilatancy, hysteresis, length)
+    present = any(getattr(case.effects, name) is not None for name in ANSWERING)
+    return Response(present, dilatancy, hysteresis, length)
 
 
 def allocate_response(nx, nz):
@@ -66,13 +69,18 @@ def allocate_response(nx, nz):
 # -- once a step ---------------------------------------------------------------------------------
 
 
-def prepare_response(work, state, response):
+@inner_jit()
+def prepare_response(work, fields, response):
     """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
+    if response is None:
+        return
     work.local_friction[:] = 0.0
-    if state.solid_fraction is not None:
-        work.solid_fraction[:] = state.solid_fraction
-    if state.settled_share is not None:
-        work.settled_friction[:] = response.hysteresis.delta_mu * state.settled_share
+    if fields.solid_fraction.size > 0:
+        copy(work.solid_fraction, fields.solid_fraction)
+    share, friction = fields.settled_share, work.settled_friction
+    for i in range(share.shape[0]):
+        for k in range(share.shape[1]):
+            friction[i, k] = response.hysteresis.delta_mu * share[i, k]
 
 
 # -- once a sweep --------------------------------------------------------------------------------

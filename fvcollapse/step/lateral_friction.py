@@ -26,10 +26,9 @@ import math
 
 import numpy as np
 
-from .arrays import total
+from .arrays import subtract, total
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, WET
-from .terms import Impulse
 
 
 def sink_constants(walls, channel_width):
@@ -166,34 +165,55 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
                 w_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
 
 
-def before_solve(simulation, u_star, w_star, balance):
-    """Return the friction impulse of the split form; the solve then has no sink of its own. None where it has."""
-    walls = simulation.case.effects.lateral_friction
-    if balance.wall_strength == 0.0 or walls.scheme != "split":
-        return None, balance
-    work, geometry, (dx, dz) = simulation.work, simulation.geometry, simulation.spacing
-    pressure_filled = simulation.state.pressure_filled
-    free = np.empty_like(u_star), np.empty_like(w_star)
-    braked = np.empty_like(u_star), np.empty_like(w_star)
-    predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, MASS_FLOOR, dx, dz)
+@inner_jit()
+def before_solve(flow, impulse, u_star, w_star, balance):
+    """Put the friction of the split form into the lateral part of `impulse`; the solve then has no sink of its own.
+
+    Parameters
+    ----------
+    flow : Flow
+    impulse : Impulse
+        Changed in place.
+    u_star, w_star : arrays
+        Velocity after advection, m/s.
+    balance : Balance
+    """
+    work, geometry, fields = flow.work, flow.geometry, flow.fields
+    dx, dz = flow.constants.dx, flow.constants.dz
+    free_u, free_w = np.empty_like(u_star), np.empty_like(w_star)
+    predict_velocity(
+        free_u,
+        free_w,
+        u_star,
+        w_star,
+        fields.pressure_filled,
+        geometry,
+        balance,
+        MASS_FLOOR,
+        dx,
+        dz,
+    )
     face_pressures(
         work.pressure_x,
         work.pressure_z,
-        pressure_filled,
+        fields.pressure_filled,
         geometry,
         balance.wall_deep_ratio,
         balance.wall_weakening_depth,
         dz,
     )
     apply_split(
-        *braked,
-        *free,
+        impulse.lateral_u,
+        impulse.lateral_w,
+        free_u,
+        free_w,
         work.pressure_x,
         work.pressure_z,
         geometry,
         balance.dt * balance.wall_strength / balance.density,
         MASS_FLOOR,
     )
-    work.sink_x[:] = work.sink_z[:] = 0.0
-    impulse = Impulse(braked[0] - free[0], braked[1] - free[1], lateral=True)
-    return impulse, balance._replace(wall_strength=0.0)
+    subtract(impulse.lateral_u, free_u)
+    subtract(impulse.lateral_w, free_w)
+    work.sink_x[:] = 0.0
+    work.sink_z[:] = 0.0

@@ -29,6 +29,7 @@ import math
 
 import numpy as np
 
+from .arrays import copy
 from .banded import factorise, new_system, solve_factorised
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
@@ -50,9 +51,10 @@ def start(state, case):
         state.fluidity = np.zeros(state.pressure_filled.shape)
 
 
-def finish(simulation, dt):
+@inner_jit()
+def finish(flow, dt):
     """The fluidity is that of the solve."""
-    simulation.state.fluidity[:] = simulation.work.response.fluidity
+    copy(flow.fields.fluidity, flow.work.response.fluidity)
 
 
 @inner_jit()

@@ -103,7 +103,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
 
     Parameters
     ----------
-    state : State
+    state : Fields
         In: first guess, pressure of the last step; out: solution on the unknown faces and in the
         wet cells.
     work : Work

@@ -22,6 +22,7 @@ RESTORE_EVERY = (
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 
 
+@kernel_jit()
 def needs_restoring(travel, steps):
     """Whether the signed distance is due, after `travel` cells of the fastest point in `steps` steps."""
     return travel >= RESTORE_AFTER or (steps >= RESTORE_EVERY and travel >= 0.1 * RESTORE_AFTER)

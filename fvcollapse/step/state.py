@@ -1,7 +1,5 @@
 """What is known at one instant, and the tables from which output, checkpoint and growth of the domain follow."""
 
-from dataclasses import dataclass, make_dataclass
-
 import numpy as np
 
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -42,51 +40,60 @@ SCALARS = {
     ),
     "travel_steps": ("1", "steps since then"),
 }
+COUNTS = ("step", "travel_steps")  # scalars that are whole numbers
 
 
-@dataclass
-class _State:
-    """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`)."""
+class State:
+    """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`).
 
-    level_set: np.ndarray
-    u: np.ndarray
-    w: np.ndarray
-    pressure_filled: np.ndarray
-    bed_slip: np.ndarray
-    time: float = 0.0
-    step: int = 0
-    dt: float = 0.0
-    volume_0: float = 0.0
-    volume_correction: float = 0.0
-    volume_outflow: float = 0.0
-    work_bulk: float = 0.0
-    work_bed: float = 0.0
-    work_back_wall: float = 0.0
-    work_lateral: float = 0.0
-    work_gate: float = 0.0
-    loss_time: float = 0.0
-    loss_advection: float = 0.0
-    loss_surface: float = 0.0
-    energy_outflow: float = 0.0
-    travel: float = 0.0
-    travel_steps: int = 0
+    Every entry of the three tables is an attribute; a field of an effect that is off is None. The scalars are kept
+    in one array, `numbers`, in the order of their table, which the kernels change in place.
+    """
+
+    def __init__(self, level_set, u, w, pressure_filled, bed_slip, **entries):
+        self.level_set, self.u, self.w = level_set, u, w
+        self.pressure_filled, self.bed_slip = pressure_filled, bed_slip
+        self.numbers = np.zeros(len(SCALARS))
+        for name in EFFECT_FIELDS:
+            setattr(self, name, None)
+        for name, value in entries.items():
+            if name not in SCALARS and name not in EFFECT_FIELDS:
+                raise TypeError(f"a state has no {name}")
+            setattr(self, name, value)
 
     def effect_fields(self):
         """Names of the fields that the effects carry in this state."""
         return [name for name in EFFECT_FIELDS if getattr(self, name) is not None]
 
+    def field_names(self):
+        """Names of all fields of this state."""
+        return [*FIELDS, *self.effect_fields()]
+
+    def entries(self):
+        """{name: array or number} of all that the state holds."""
+        return {name: getattr(self, name) for name in [*self.field_names(), *SCALARS]}
+
     def copy(self):
         """Independent copy of the state."""
-        names = [*FIELDS, *self.effect_fields()]
-        return State(**vars(self) | {name: getattr(self, name).copy() for name in names})
+        made = State(**{name: getattr(self, name).copy() for name in self.field_names()})
+        made.numbers[:] = self.numbers
+        return made
 
 
-State = make_dataclass(
-    "State",
-    [(name, np.ndarray | None, None) for name in EFFECT_FIELDS],
-    bases=(_State,),
-    namespace={"__doc__": _State.__doc__, "__module__": __name__},
-)
+def _number(place, kind):
+    """The property of a scalar at a place of `State.numbers`."""
+
+    def get(state):
+        return kind(state.numbers[place])
+
+    def put(state, value):
+        state.numbers[place] = value
+
+    return property(get, put)
+
+
+for _place, _name in enumerate(SCALARS):
+    setattr(State, _name, _number(_place, int if _name in COUNTS else float))
 
 
 def location_shape(location, nx, nz):
@@ -108,7 +115,7 @@ def _shape_of(state, name, nx, nz):
 def crop(state, rows):
     """Keep the lowest `rows` rows of every field."""
     nx = state.pressure_filled.shape[0]
-    for name in [*FIELDS, *state.effect_fields()]:
+    for name in state.field_names():
         kept = tuple(slice(n) for n in _shape_of(state, name, nx, rows))
         setattr(state, name, getattr(state, name)[kept].copy())
 
@@ -119,7 +126,7 @@ def grow(state, extra_x, extra_z):
     The level set is continued with its last slope away from the grains, everything else with zero.
     """
     nx, nz = state.pressure_filled.shape
-    for name in [*FIELDS, *state.effect_fields()]:
+    for name in state.field_names():
         old = getattr(state, name)
         new = np.zeros(_shape_of(state, name, nx + extra_x, nz + extra_z))
         new[tuple(slice(n) for n in old.shape)] = old

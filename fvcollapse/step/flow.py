@@ -1,0 +1,138 @@
+"""A flow as the kernels see it: the fields of the state, geometry, scratch arrays and the constants of the run.
+
+The arrays are those of the `Simulation`, changed in place; the scalars of the state stand in `Fields.numbers`.
+"""
+
+from collections import namedtuple
+from typing import NamedTuple
+
+import numpy as np
+
+from .balance import Balance
+from .coefficients import Work
+from .compiled import inner_jit
+from .gate import Lift
+from .geometry import Geometry, repeat_columns
+from .rheology import Material
+from .state import EFFECT_FIELDS, FIELDS, SCALARS
+
+# The fields of a state, (0, 0) where their effect is off, and its scalars: `numbers` (len(SCALARS),).
+Fields = namedtuple("Fields", [*FIELDS, *EFFECT_FIELDS, "numbers"])  # noqa: PYI024
+ABSENT = np.zeros((0, 0))
+
+(
+    TIME,
+    STEP,
+    DT,
+    VOLUME_0,
+    VOLUME_CORRECTION,
+    VOLUME_OUTFLOW,
+    WORK_BULK,
+    WORK_BED,
+    WORK_BACK_WALL,
+    WORK_LATERAL,
+    WORK_GATE,
+    LOSS_TIME,
+    LOSS_ADVECTION,
+    LOSS_SURFACE,
+    ENERGY_OUTFLOW,
+    TRAVEL,
+    TRAVEL_STEPS,
+) = range(len(SCALARS))
+KINETIC, POTENTIAL = 0, 1  # places in `Flow.energy`
+
+
+class Constants(NamedTuple):
+    """What stays during a run, SI.
+
+    `balance` is that of a step of no length; `layer` the thickness of an erodible bed, 0 without one; `slow` the
+    speed of grains whose sweeps may stall; `height` that of the column.
+    """
+
+    dx: float
+    dz: float
+    gate_column: int
+    lift: Lift
+    shape_factor: float
+    packing_0: float
+    fraction_bulk: float
+    layer: float
+    right_end: int
+    film_thickness: float
+    cfl: float
+    longest_step: float
+    growth: float
+    slow: float
+    check_residual: bool
+    split_walls: bool
+    soft_rate: float
+    material: Material
+    balance: Balance
+
+
+class Flow(NamedTuple):
+    """A state with its geometry, scratch arrays and constants.
+
+    `store` holds the same arrays as `fields`, each as one line of numbers, and `saved` what they held at the start of
+    the step; `before` are the fields of that start. `of_effects` are the fields of the effects, (0, 0) where they are
+    off. `energy` (2,) is the kinetic and the potential energy, J/m.
+    """
+
+    fields: Fields
+    before: Fields
+    store: tuple
+    saved: tuple
+    of_effects: tuple
+    energy: np.ndarray
+    geometry: Geometry
+    work: Work
+    unit_packing: np.ndarray
+    constants: Constants
+
+
+def flow_of(state, before, energy, geometry, work, unit_packing, constants):
+    """The `Flow` of a state and of a copy of it, `before`, whose arrays take what the state holds at each step."""
+    fields, start = fields_of(state), fields_of(before)
+    return Flow(
+        fields,
+        start,
+        tuple(array.reshape(-1) for array in fields),
+        tuple(array.reshape(-1) for array in start),
+        tuple(getattr(fields, name) for name in EFFECT_FIELDS),
+        energy,
+        geometry,
+        work,
+        unit_packing,
+        constants,
+    )
+
+
+def fields_of(state):
+    """The `Fields` of a state: its arrays themselves."""
+    arrays = {name: getattr(state, name) for name in (*FIELDS, *EFFECT_FIELDS)}
+    present = {name: ABSENT if values is None else values for name, values in arrays.items()}
+    return Fields(**present, numbers=state.numbers)
+
+
+@inner_jit()
+def copy_all(target, source):
+    """Copy arrays (n,) into others, tuples of both."""
+    for m in range(len(target)):
+        for n in range(target[m].size):
+            target[m][n] = source[m][n]
+
+
+@inner_jit()
+def repeat(geometry, field):
+    """The halo of a periodic stretch repeats a field."""
+    if geometry.first > 0:
+        repeat_columns(field, geometry.first, geometry.last)
+
+
+@inner_jit()
+def packing_of(flow):
+    """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
+    fraction = flow.fields.solid_fraction
+    if fraction.size == 0:
+        return flow.unit_packing
+    return fraction / flow.constants.fraction_bulk
