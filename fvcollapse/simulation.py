@@ -138,7 +138,7 @@ class Simulation:
         return Marched(records, rows[:taken], good, problem)
 
     def _march_on(self, plan, log, rows):
-        """Steps on the present grid: (how many, the last good state, the `NumericalError`, the `Room` that is needed)."""
+        """Steps on the present grid: how many; the last good state; what went wrong, if anything; the `Room` needed."""
         start, energy = self.state, self._energy.copy()
         before = start.copy()  # takes the state before each step
         self.state = start.copy()
@@ -197,7 +197,10 @@ class Simulation:
     @property
     def energy(self):
         """Kinetic and potential energy after the last step, J/m."""
-        return {"kinetic": float(self._energy[KINETIC]), "potential": float(self._energy[POTENTIAL])}
+        return {
+            "kinetic": float(self._energy[KINETIC]),
+            "potential": float(self._energy[POTENTIAL]),
+        }
 
     @energy.setter
     def energy(self, values):

@@ -1,6 +1,7 @@
 """The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
 
 import io
+import math
 from functools import partial
 from typing import NamedTuple
 
@@ -46,10 +47,11 @@ class View(NamedTuple):
 def with_forces(forces):
     """The stages of a step in which further forces act on the grains, between advection and the implicit solve."""
 
-    def carry_momentum(simulation, old_level_set, packing, dt):
-        u_star, w_star = STAGES.carry_momentum(simulation, old_level_set, packing, dt)
-        slope = simulation.case.geometry.slope_angle_deg
-        brake(forces, u_star, w_star, dt, simulation.spacing[0], slope)
+    def carry_momentum(flow, packing, dt):
+        u_star, w_star = STAGES.carry_momentum(flow, packing, dt)
+        balance = flow.constants.balance
+        slope = math.degrees(math.atan2(balance.gx, -balance.gz))
+        brake(forces, u_star, w_star, dt, flow.constants.dx, slope)
         return u_star, w_star
 
     return STAGES._replace(carry_momentum=carry_momentum)

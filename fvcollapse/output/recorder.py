@@ -20,7 +20,9 @@ SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
-AT_LANDINGS = "ill_posed_fraction"  # costs as much as a sweep: computed at landings, kept until the next
+AT_LANDINGS = (
+    "ill_posed_fraction"  # costs as much as a sweep: computed at landings, kept until the next
+)
 NOT_STORED = ("filled_fraction", "ill_posed")  # cell quantities that follow from the stored fields
 
 

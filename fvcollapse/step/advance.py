@@ -169,7 +169,9 @@ def stepper(stages):
         continue_velocity,
     ) = stages
     jit, helpers = (inner_jit(), _KERNELS) if stages is COMPILED else (_as_it_is, _FROM_PYTHON)
-    (repeat, packing_of, balance_of, kinetic_energy, copy_all, fit_to, change_of, is_sound) = helpers
+    (repeat, packing_of, balance_of, kinetic_energy, copy_all, fit_to, change_of, is_sound) = (
+        helpers
+    )
 
     @jit
     def advance(flow, dt, memory):

@@ -50,12 +50,26 @@ def transport_cells(values, flow, dt):
     flow : Flow
         Its velocity is that of the start of the step, its level set that of the end.
     """
-    u, w, phi_old, phi_new = flow.fields.u, flow.fields.w, flow.before.level_set, flow.fields.level_set
+    u, w, phi_old, phi_new = (
+        flow.fields.u,
+        flow.fields.w,
+        flow.before.level_set,
+        flow.fields.level_set,
+    )
     nx, nz = values.shape
     flux_x, flux_z = np.empty_like(u), np.empty_like(w)
     constants = flow.constants
     volume_fluxes(
-        flux_x, flux_z, u, w, flow.geometry.aperture, phi_old, phi_new, dt, constants.dx, constants.dz
+        flux_x,
+        flux_z,
+        u,
+        w,
+        flow.geometry.aperture,
+        phi_old,
+        phi_new,
+        dt,
+        constants.dx,
+        constants.dz,
     )
     inner = np.empty((nx - 1, nz))
     for i in range(nx - 1):

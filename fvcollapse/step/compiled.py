@@ -17,7 +17,6 @@ from numba import config, njit
 from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
 
-
 FILES_OF_KERNELS = ("step/*.py", "measure/pile.py", "measure/series_row.py", "march.py")
 
 

@@ -82,9 +82,7 @@ def room_needed(flow):
         for k in range(nz - 4, nz):
             near_top |= filled[i, k] > 0.0
     columns = GROWTH if constants.right_end == GROWS and near_end else 0
-    return Room(
-        columns, MARGIN if near_top else 0, keep, constants.right_end == CLOSED and at_end
-    )
+    return Room(columns, MARGIN if near_top else 0, keep, constants.right_end == CLOSED and at_end)
 
 
 @inner_jit()

@@ -23,7 +23,6 @@ from .nonlocal_fluidity import cooperate, nonlocal_length
 from .rheology import ETA_FLOOR
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 
-
 ANSWERING = ("dilatancy", "friction_hysteresis", "nonlocal")  # effects that answer the sweeps
 
 

@@ -139,7 +139,9 @@ def broken_words(law, value, limit):
     """What a broken law says."""
     if law in (VOLUME, MASS):
         what = "volume" if law == VOLUME else "mass"
-        return f"guard on the {what}: it has drifted by {100 * value:+.3g} % (limit {100 * limit:g} %)"
+        return (
+            f"guard on the {what}: it has drifted by {100 * value:+.3g} % (limit {100 * limit:g} %)"
+        )
     if law == SPEED:
         fall = value / limit * SPEED_LIMIT
         return f"guard on the speed: {value:.3g} m/s, {fall:.3g} times free fall (limit {limit:.3g} m/s)"

@@ -35,6 +35,7 @@ from .balance import balance_with
 from .compiled import inner_jit, is_kernel
 from .flow import repeat
 
+
 class Impulse(NamedTuple):
     """Change of the velocity by forces before the solve, m/s: on the x-faces and on the z-faces; (0, 0) without any.
 

@@ -53,7 +53,11 @@ def explicit_limits(flow):
     fastest = larger(largest(fields.u), largest(fields.w))  # beyond the surface too
     h = min(constants.dx, constants.dz)
     advection = limit_advection(constants.shape_factor * fastest, constants.cfl, h)
-    return advection, limit_surface_wave(GRAVITY, h), limit_terms(constants.balance.response, fields)
+    return (
+        advection,
+        limit_surface_wave(GRAVITY, h),
+        limit_terms(constants.balance.response, fields),
+    )
 
 
 LIMITS = from_python(explicit_limits)
