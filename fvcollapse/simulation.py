@@ -177,6 +177,7 @@ class Simulation:
             self.state,
             before,
             self._energy,
+            self.carrier,
             self.geometry,
             self.work,
             self.unit_packing,

@@ -14,6 +14,7 @@ import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 
+from .arrays import copy
 from .balance import balance_with
 from .compiled import from_python, inner_jit
 from .coupled import Outcome
@@ -26,7 +27,18 @@ from .extrapolation import (
     extrapolate,
     mark_known,
 )
-from .flow import DT, KINETIC, LOSS_ADVECTION, POTENTIAL, STEP, TIME, copy_all, packing_of, repeat
+from .flow import (
+    DT,
+    KINETIC,
+    LOSS_ADVECTION,
+    POTENTIAL,
+    STEP,
+    TIME,
+    copy_all,
+    packing_of,
+    repeat,
+    set_carrier,
+)
 from .gate import gate_velocity
 from .momentum import advect_momentum
 from .solution import solve
@@ -85,6 +97,8 @@ def carry_momentum(flow, packing, dt):
         w_star,
         fields.u,
         fields.w,
+        flow.carrier.u,
+        flow.carrier.w,
         fields.bed_slip,
         flow.geometry.aperture,
         flow.before.level_set,
@@ -169,9 +183,18 @@ def stepper(stages):
         continue_velocity,
     ) = stages
     jit, helpers = (inner_jit(), _KERNELS) if stages is COMPILED else (_as_it_is, _FROM_PYTHON)
-    (repeat, packing_of, balance_of, kinetic_energy, copy_all, fit_to, change_of, is_sound) = (
-        helpers
-    )
+    (
+        repeat,
+        packing_of,
+        set_carrier,
+        balance_of,
+        kinetic_energy,
+        copy,
+        copy_all,
+        fit_to,
+        change_of,
+        is_sound,
+    ) = helpers
 
     @jit
     def advance(flow, dt, memory):
@@ -188,6 +211,7 @@ def stepper(stages):
         repeat(flow.geometry, fields.u)
         repeat(flow.geometry, fields.w)
         packing = packing_of(flow)
+        set_carrier(flow, dt)
         moved = move_surface(flow, dt)
         u_star, w_star = carry_momentum(flow, packing, dt)
         ends = place(flow, fields.numbers[TIME] + dt, False)
@@ -236,6 +260,8 @@ def stepper(stages):
         numbers[TIME] = time_limit if abs(end - time_limit) < SAME_TIME else end
         numbers[STEP] += 1
         numbers[DT] = dt
+        copy(flow.fields.u_before, flow.before.u)
+        copy(flow.fields.w_before, flow.before.w)
         flow.energy[KINETIC], flow.energy[POTENTIAL] = kinetic, potential
         return Step(DONE, dt, outcome, added), memory
 
@@ -263,7 +289,18 @@ def is_sound(outcome, constants):
     return not constants.check_residual or outcome.residual <= RESIDUAL_TOLERANCE
 
 
-_KERNELS = (repeat, packing_of, balance_of, kinetic_energy, copy_all, fit_to, change_of, is_sound)
+_KERNELS = (
+    repeat,
+    packing_of,
+    set_carrier,
+    balance_of,
+    kinetic_energy,
+    copy,
+    copy_all,
+    fit_to,
+    change_of,
+    is_sound,
+)
 _FROM_PYTHON = tuple(from_python(kernel) for kernel in _KERNELS)
 
 

@@ -48,14 +48,10 @@ def transport_cells(values, flow, dt):
     values : (nx, nz) array
         Of every cell; in the air continued from the grains.
     flow : Flow
-        Its velocity is that of the start of the step, its level set that of the end.
+        Its level set is that of the end of the step.
     """
-    u, w, phi_old, phi_new = (
-        flow.fields.u,
-        flow.fields.w,
-        flow.before.level_set,
-        flow.fields.level_set,
-    )
+    u, w = flow.carrier.u, flow.carrier.w
+    phi_old, phi_new = flow.before.level_set, flow.fields.level_set
     nx, nz = values.shape
     flux_x, flux_z = np.empty_like(u), np.empty_like(w)
     constants = flow.constants

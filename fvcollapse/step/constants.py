@@ -16,7 +16,8 @@ from .grid import gate_column, spacing
 from .rheology import material
 from .transverse_profile import shape_factor_of
 
-GROWTH_OF_STEP = 1.1  # of a step over the one before
+GROWTH_OF_STEP = 1.5  # of a step over the one before
+MIDDLE = 0.5  # of the step
 
 
 def constants_of(case):
@@ -41,6 +42,7 @@ def constants_of(case):
         cfl=float(case.time.cfl),
         longest_step=float(case.longest_step),
         growth=GROWTH_OF_STEP,
+        ahead=MIDDLE,
         slow=slow_speed(case),
         check_residual=case.numerics.method == "coupled",
         split_walls=walls is not None and walls.scheme == "split",

@@ -9,7 +9,7 @@ from fvcollapse.errors import NumericalError
 from .coefficients import allocate_work
 from .compiled import inner_jit
 from .erodible_bed import extend_layer, moves_near_end
-from .flow import TIME, packing_of
+from .flow import TIME, Carrier, packing_of
 from .gate import gate_height, open_fractions
 from .geometry import allocate_geometry
 from .guards import refuse_growth
@@ -102,6 +102,7 @@ def allocate(simulation):
     simulation.geometry = allocate_geometry(nx, nz, simulation.halo)
     simulation.work = allocate_work(nx, nz)
     simulation.unit_packing = np.ones((nx, nz))
+    simulation.carrier = Carrier(np.zeros((nx + 1, nz)), np.zeros((nx, nz + 1)))
 
 
 def make_room(simulation, room):

@@ -46,7 +46,8 @@ class Constants(NamedTuple):
     """What stays during a run, SI.
 
     `balance` is that of a step of no length; `layer` the thickness of an erodible bed, 0 without one; `slow` the
-    speed of grains whose sweeps may stall; `height` that of the column.
+    speed of grains whose sweeps may stall; `ahead` the part of the step, 0 or 0.5, whose velocity carries surface and
+    momentum (`carrier`).
     """
 
     dx: float
@@ -62,12 +63,20 @@ class Constants(NamedTuple):
     cfl: float
     longest_step: float
     growth: float
+    ahead: float
     slow: float
     check_residual: bool
     split_walls: bool
     soft_rate: float
     material: Material
     balance: Balance
+
+
+class Carrier(NamedTuple):
+    """Velocity that carries surface, momentum and the fields of the effects during a step, m/s; see `set_carrier`."""
+
+    u: np.ndarray
+    w: np.ndarray
 
 
 class Flow(NamedTuple):
@@ -84,13 +93,14 @@ class Flow(NamedTuple):
     saved: tuple
     of_effects: tuple
     energy: np.ndarray
+    carrier: Carrier
     geometry: Geometry
     work: Work
     unit_packing: np.ndarray
     constants: Constants
 
 
-def flow_of(state, before, energy, geometry, work, unit_packing, constants):
+def flow_of(state, before, energy, carrier, geometry, work, unit_packing, constants):
     """The `Flow` of a state and of a copy of it, `before`, whose arrays take what the state holds at each step."""
     fields, start = fields_of(state), fields_of(before)
     return Flow(
@@ -100,6 +110,7 @@ def flow_of(state, before, energy, geometry, work, unit_packing, constants):
         tuple(array.reshape(-1) for array in start),
         tuple(getattr(fields, name) for name in EFFECT_FIELDS),
         energy,
+        carrier,
         geometry,
         work,
         unit_packing,
@@ -136,3 +147,26 @@ def packing_of(flow):
     if fraction.size == 0:
         return flow.unit_packing
     return fraction / flow.constants.fraction_bulk
+
+
+@inner_jit()
+def set_carrier(flow, dt):
+    """The carrier is the velocity in the middle of the step of dt (s), extrapolated from the last two instants.
+
+    u + (dt / 2 dt_before) (u - u_before): second order in dt. Where that would turn a velocity round, grains have come
+    to rest: there it is zero.
+    """
+    fields, carrier = flow.fields, flow.carrier
+    previous = fields.numbers[DT]
+    factor = flow.constants.ahead * dt / previous if previous > 0.0 else 0.0
+    extrapolate_in_time(carrier.u, fields.u, fields.u_before, factor)
+    extrapolate_in_time(carrier.w, fields.w, fields.w_before, factor)
+
+
+@inner_jit()
+def extrapolate_in_time(target, now, before, factor):
+    """Set target = now + factor (now - before), or zero where its sign would differ from that of now."""
+    for i in range(now.shape[0]):
+        for k in range(now.shape[1]):
+            value = now[i, k] + factor * (now[i, k] - before[i, k])
+            target[i, k] = value if value * now[i, k] > 0.0 else 0.0

@@ -11,6 +11,8 @@ FIELDS = {
     "w": ("zface", "m/s", "velocity normal to the bed", True),
     "pressure_filled": ("centre", "Pa", "filled fraction times pressure", True),
     "bed_slip": ("xnode", "m/s", "slip velocity at the bed", True),
+    "u_before": ("xface", "m/s", "u at the start of the last step", True),
+    "w_before": ("zface", "m/s", "w at the start of the last step", True),
 }
 # name: (effect that carries it, location, units, description); absent from a state without that effect
 EFFECT_FIELDS = {
@@ -53,11 +55,12 @@ class State:
     def __init__(self, level_set, u, w, pressure_filled, bed_slip, **entries):
         self.level_set, self.u, self.w = level_set, u, w
         self.pressure_filled, self.bed_slip = pressure_filled, bed_slip
+        self.u_before, self.w_before = u.copy(), w.copy()
         self.numbers = np.zeros(len(SCALARS))
         for name in EFFECT_FIELDS:
             setattr(self, name, None)
         for name, value in entries.items():
-            if name not in SCALARS and name not in EFFECT_FIELDS:
+            if name not in (*SCALARS, *EFFECT_FIELDS, "u_before", "w_before"):
                 raise TypeError(f"a state has no {name}")
             setattr(self, name, value)
 

@@ -38,7 +38,7 @@ def move_surface(flow, dt):
     fields, dx, dz = flow.fields, flow.constants.dx, flow.constants.dz
     phi = fields.level_set
     u_node, w_node = np.empty_like(phi), np.empty_like(phi)
-    level_set.node_velocity(u_node, w_node, fields.u, fields.w)
+    level_set.node_velocity(u_node, w_node, flow.carrier.u, flow.carrier.w)
     u_surface, w_surface = np.empty_like(phi), np.empty_like(phi)
     band = level_set.BAND * max(dx, dz)
     level_set.carry_from_surface(u_surface, w_surface, u_node, w_node, phi, band, dx, dz)
