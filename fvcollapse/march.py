@@ -6,17 +6,19 @@ steps are those of `fvcollapse.step.advance`.
 
 from typing import NamedTuple
 
-from fvcollapse.measure.series_row import ROW, Reading, fill_row
+from fvcollapse.measure import series_row
+from fvcollapse.measure.series_row import ROW, Reading
+from fvcollapse.step import energy, guards, settling
 from fvcollapse.step.advance import COMPILED, DONE, stepper
 from fvcollapse.step.compiled import from_python, kernel_jit
 from fvcollapse.step.coupled import Outcome
 from fvcollapse.step.domain import Room
-from fvcollapse.step.flow import TIME
-from fvcollapse.step.guards import NO_LAW, Watch, broken_law
-from fvcollapse.step.settling import settle
+from fvcollapse.step.flow import KINETIC, POTENTIAL, TIME
+from fvcollapse.step.guards import NO_LAW, Watch
 
 # Why a march has ended, beside how a step ends
 NEEDS_ROOM, BREAKS_LAW = 3, 4
+GO_ON, SETTLE, PLACE = range(3)  # how a march begins
 SAME_TIME = 1.0e-9  # s
 LOG = ("time", "dt", "sweeps", "residual", "divergence", "capped", "volume_correction")
 SPEED, VOLUME = ROW.index("max_speed"), ROW.index("relative_volume")
@@ -25,14 +27,14 @@ SPEED, VOLUME = ROW.index("max_speed"), ROW.index("relative_volume")
 class Plan(NamedTuple):
     """What a march is to do: until when (s), how the rows are read, what the guards watch, whether they do.
 
-    `settles`: no step is taken; the column comes to rest behind the closed gate, with the balance of the flow.
+    `begin`: how it begins, see `march`.
     """
 
     time_limit: float
     reading: Reading
     watch: Watch
     guarded: bool
-    settles: bool
+    begin: int
 
 
 class Ended(NamedTuple):
@@ -46,14 +48,17 @@ class Ended(NamedTuple):
 
 def marcher(stages):
     """The function `march` with these stages of a step: see its docstring."""
-    room_needed = stages.room_needed
+    room_needed, place = stages.room_needed, stages.place
     jit = kernel_jit() if stages is COMPILED else _as_it_is
-    fill, law_of, come_to_rest = HELPERS if stages is COMPILED else HELPERS_FROM_PYTHON
+    fill_row, broken_law, energies, settle = HELPERS if stages is COMPILED else HELPERS_FROM_PYTHON
     _, take_step = stepper(stages)
 
     @jit
     def march(flow, plan, log, rows, memory):
         """Take steps until the time limit, as many as `log` has room for.
+
+        Or, before the first of them, let the column settle behind the closed gate, with the balance of the flow
+        (`SETTLE`), or place the geometry of the state (`PLACE`); the first row of `rows` is then that of the present.
 
         Parameters
         ----------
@@ -72,10 +77,15 @@ def marcher(stages):
             The second is the memory of the next march.
         """
         outcome = Outcome(0, 0.0, 0.0, 0.0, 0.0, 0, True)
-        if plan.settles:
-            come_to_rest(flow, memory)
-            return Ended(DONE, 0, Room(0, 0, 0, False), outcome), memory
         numbers = flow.fields.numbers
+        if plan.begin != GO_ON:
+            if plan.begin == SETTLE:
+                settle(flow, memory)
+            else:
+                place(flow, numbers[TIME], False)
+            flow.energy[KINETIC], flow.energy[POTENTIAL] = energies(flow)
+            fill_row(rows[0], flow, plan.reading)
+            return Ended(DONE, 0, Room(0, 0, 0, False), outcome), memory
         n = 0
         while n < len(log) and numbers[TIME] < plan.time_limit - SAME_TIME:
             room = room_needed(flow)
@@ -88,9 +98,9 @@ def marcher(stages):
             log[n, 0], log[n, 1], log[n, 2] = numbers[TIME], step.dt, outcome.sweeps
             log[n, 3], log[n, 4] = outcome.change, outcome.divergence
             log[n, 5], log[n, 6] = not outcome.settled, step.added
-            fill(rows[n], flow, plan.reading)
+            fill_row(rows[n], flow, plan.reading)
             if plan.guarded:
-                law, _, _ = law_of(flow, plan.watch, rows[n, VOLUME], rows[n, SPEED])
+                law, _, _ = broken_law(flow, plan.watch, rows[n, VOLUME], rows[n, SPEED])
                 if law != NO_LAW:
                     return Ended(BREAKS_LAW, n, room, outcome), memory
             n += 1
@@ -103,6 +113,6 @@ def _as_it_is(function):
     return function
 
 
-HELPERS = fill_row, broken_law, settle
+HELPERS = series_row.fill_row, guards.broken_law, energy.energies, settling.settle
 HELPERS_FROM_PYTHON = tuple(from_python(helper) for helper in HELPERS)
 march = marcher(COMPILED)

@@ -10,8 +10,20 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.errors import NumericalError
-from fvcollapse.march import BREAKS_LAW, LOG, NEEDS_ROOM, SPEED, VOLUME, Plan, march, marcher
-from fvcollapse.measure.series_row import ROW, fill_row, reading_of
+from fvcollapse.march import (
+    BREAKS_LAW,
+    GO_ON,
+    LOG,
+    NEEDS_ROOM,
+    PLACE,
+    SETTLE,
+    SPEED,
+    VOLUME,
+    Plan,
+    march,
+    marcher,
+)
+from fvcollapse.measure.series_row import ROW, reading_of
 from fvcollapse.step import quantities
 from fvcollapse.step.advance import DONE, REFUSED, STAGES, TOO_SHORT, StepRecord, problem_of
 from fvcollapse.step.compiled import from_python
@@ -29,7 +41,7 @@ from fvcollapse.step.state import State
 from fvcollapse.step.terms import terms_of
 from fvcollapse.step.time_step import explain_short_step
 
-FILL_ROW, ENERGIES = from_python(fill_row), from_python(energies)
+ENERGIES, BROKEN_LAW = from_python(energies), from_python(broken_law)
 
 
 class Simulation:
@@ -43,6 +55,11 @@ class Simulation:
         gate.
     stages : Stages, optional
         Other stages than those of a collapse.
+
+    Attributes
+    ----------
+    row : (len(ROW),) array
+        The series at the start (`fvcollapse.measure.series_row`).
     """
 
     def __init__(self, case, state=None, stages=STAGES):
@@ -51,18 +68,15 @@ class Simulation:
         self.stages = stages_with(stages, self.case, self.terms)
         self._march = march if self.stages is STAGES else marcher(self.stages)
         self._read_constants()
-        self.state = initial_state(self.case, initial_grid(self.case)) if state is None else state
+        given = state is not None
+        self.state = state if given else initial_state(self.case, initial_grid(self.case))
         for _, start in self.terms.start:
             start(self.state, self.case)
         self._energy, self._memory = np.zeros(2), np.zeros(0)
         self.watch = watch_of(self.case, 0.0)
         allocate(self)
-        if state is None:
-            self._settle()
-        else:
-            self.place()
-        self.energy = self.energies()
-        self.watch = watch_of(self.case, sum(self.energy.values()))
+        self._begin(PLACE if given else SETTLE)
+        self.watch = watch_of(self.case, self._energy.sum())
 
     def _read_constants(self):
         constants, response = self.constants, self.constants.balance.response
@@ -75,11 +89,18 @@ class Simulation:
         )
         self.response, self.packing_0 = response, constants.packing_0
 
-    def _settle(self):
-        """Static pressure behind the closed gate, with all friction at work; then at rest."""
-        flow = settling_flow(self.flow(), self.constants.soft_rate)
-        plan = Plan(0.0, self.reading, self.watch, guarded=False, settles=True)
-        march(flow, plan, np.empty((0, len(LOG))), np.empty((0, len(ROW))), self._memory)
+    def _begin(self, begin):
+        """Geometry, energy and series are those of the state: placed, or settled behind the closed gate.
+
+        The column settles with all friction at work: static pressure, then at rest.
+        """
+        flow, log, rows = self.flow(), np.empty((0, len(LOG))), np.empty((1, len(ROW)))
+        if begin == SETTLE:
+            flow = settling_flow(flow, self.constants.soft_rate)
+        plan = Plan(0.0, self.reading, self.watch, guarded=False, begin=begin)
+        steps = march if begin == SETTLE else self._march
+        steps(flow, plan, log, rows, self._memory)
+        self.row = rows[0]
 
     def watch_energy(self, series):
         """The guards watch the energy of the start of the record of a run that is continued."""
@@ -122,7 +143,7 @@ class Simulation:
         -------
         Marched
         """
-        plan = Plan(float(time_limit), self.reading, self.watch, guarded, False)
+        plan = Plan(float(time_limit), self.reading, self.watch, guarded, GO_ON)
         log, rows = np.empty((steps, len(LOG))), np.empty((steps, len(ROW)))
         taken, problem, needs_room = 0, None, True
         while needs_room and problem is None:
@@ -163,7 +184,7 @@ class Simulation:
         if ended.code == REFUSED:
             problem = problem_of(ended.outcome, self.constants)
             return NumericalError(problem, "in the momentum solve", time)
-        broken = broken_law(flow, self.watch, row[VOLUME], row[SPEED])
+        broken = BROKEN_LAW(flow, self.watch, row[VOLUME], row[SPEED])
         return NumericalError(broken_words(*broken), fastest_place(self), time)
 
     # -- what the kernels see ------------------------------------------------------------------------
@@ -186,7 +207,9 @@ class Simulation:
 
     def place(self):
         """The geometry is that of the present surface, with the gate where it is now."""
-        self.stages.place(self.flow(), self.state.time, False)
+        energy = self._energy.copy()
+        self._begin(PLACE)
+        self._energy[:] = energy
 
     # -- what is read --------------------------------------------------------------------------------
 
@@ -211,12 +234,6 @@ class Simulation:
         """Kinetic and potential energy of the present state, J/m; see `fvcollapse.step.energy.energies`."""
         kinetic, potential = ENERGIES(self.flow())
         return {"kinetic": kinetic, "potential": potential}
-
-    def series_row(self):
-        """The present values of the series, (len(ROW),); see `fvcollapse.measure.series_row`."""
-        row = np.empty(len(ROW))
-        FILL_ROW(row, self.flow(), self.reading)
-        return row
 
     def packing(self):
         """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""

@@ -69,10 +69,11 @@ class FakeSimulation:
         records, rows = [], np.empty((steps, len(ROW)))
         while len(records) < steps and self.state.time < time_limit - 1e-9:
             records.append(self.advance(time_limit))
-            rows[len(records) - 1] = self.series_row()
+            rows[len(records) - 1] = self.row
         return Marched(records, rows[: len(records)], self.state, None)
 
-    def series_row(self):
+    @property
+    def row(self):
         state, x = self.state, self.grid.x_nodes
         front = length(self.case, state.time)
         known = {

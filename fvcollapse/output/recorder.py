@@ -84,7 +84,7 @@ class Recorder:
 
     def add_start(self, simulation, landing):
         """Record the start of a run."""
-        self.add_rows(simulation.series_row()[None])
+        self.add_rows(simulation.row[None])
         self.add_landing(simulation, landing)
 
     def add_rows(self, rows):

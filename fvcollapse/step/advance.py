@@ -36,10 +36,10 @@ from .flow import (
     TIME,
     copy_all,
     packing_of,
-    repeat,
     set_carrier,
 )
 from .gate import gate_velocity
+from .geometry import repeat
 from .momentum import advect_momentum
 from .solution import solve
 from .surface import move_surface
@@ -182,7 +182,9 @@ def stepper(stages):
         book_energy,
         continue_velocity,
     ) = stages
-    jit, helpers = (inner_jit(), _KERNELS) if stages is COMPILED else (_as_it_is, _FROM_PYTHON)
+    jit, helpers = (
+        (inner_jit(inline="always"), _KERNELS) if stages is COMPILED else (_as_it_is, _FROM_PYTHON)
+    )
     (
         repeat,
         packing_of,

@@ -15,7 +15,7 @@ import numpy as np
 from .arrays import average, copy
 from .compiled import inner_jit, kernel_jit
 from .extrapolation import LAYERS, extrapolate
-from .geometry import polygon_moments, wetted_edge
+from .geometry import polygon_moments, repeat, wetted_edge
 from .momentum import rows_in_reach
 from .passages import list_passages, transport
 
@@ -82,6 +82,7 @@ def transport_cells(values, flow, dt):
     fill_fractions(filled, phi_new)
     continue_to_air(first, filled)
     copy(values, first)
+    repeat(flow.geometry, values)
 
 
 @inner_jit()

@@ -43,6 +43,7 @@ import numpy as np
 from .arrays import copy, largest
 from .cell_transport import TRUSTED, transport_cells
 from .compiled import inner_jit, kernel_jit
+from .geometry import repeat
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
@@ -207,9 +208,11 @@ def carry(flow, dt):
     for i in range(fraction.shape[0]):
         for k in range(fraction.shape[1]):
             fraction[i, k] *= 1.0 - rate[i, k] * dt
+    repeat(flow.geometry, fraction)
 
 
 @inner_jit()
 def finish(flow, dt):
     """The rate of dilation is that of the solve."""
     copy(flow.fields.dilation_rate, flow.work.response.source)
+    repeat(flow.geometry, flow.fields.dilation_rate)

@@ -12,7 +12,7 @@ from .balance import Balance
 from .coefficients import Work
 from .compiled import inner_jit
 from .gate import Lift
-from .geometry import Geometry, repeat_columns
+from .geometry import Geometry
 from .rheology import Material
 from .state import EFFECT_FIELDS, FIELDS, SCALARS
 
@@ -37,7 +37,6 @@ ABSENT = np.zeros((0, 0))
     LOSS_SURFACE,
     ENERGY_OUTFLOW,
     TRAVEL,
-    TRAVEL_STEPS,
 ) = range(len(SCALARS))
 KINETIC, POTENTIAL = 0, 1  # places in `Flow.energy`
 
@@ -79,19 +78,25 @@ class Carrier(NamedTuple):
     w: np.ndarray
 
 
+class Before(NamedTuple):
+    """Level set, m, and velocity, m/s, at the start of the step."""
+
+    level_set: np.ndarray
+    u: np.ndarray
+    w: np.ndarray
+
+
 class Flow(NamedTuple):
     """A state with its geometry, scratch arrays and constants.
 
-    `store` holds the same arrays as `fields`, each as one line of numbers, and `saved` what they held at the start of
-    the step; `before` are the fields of that start. `of_effects` are the fields of the effects, (0, 0) where they are
-    off. `energy` (2,) is the kinetic and the potential energy, J/m.
+    `store` (n,) are the numbers of all `fields`, and `saved` (n,) those of the start of the step; `before` are the
+    fields of that start that a step reads. `energy` (2,) is the kinetic and the potential energy, J/m.
     """
 
     fields: Fields
-    before: Fields
-    store: tuple
-    saved: tuple
-    of_effects: tuple
+    before: Before
+    store: np.ndarray
+    saved: np.ndarray
     energy: np.ndarray
     carrier: Carrier
     geometry: Geometry
@@ -101,14 +106,15 @@ class Flow(NamedTuple):
 
 
 def flow_of(state, before, energy, carrier, geometry, work, unit_packing, constants):
-    """The `Flow` of a state and of a copy of it, `before`, whose arrays take what the state holds at each step."""
-    fields, start = fields_of(state), fields_of(before)
+    """The `Flow` of a state and of a copy of it, `before`, which takes what the state holds at the start of each step.
+
+    Only of a state that is a copy (`State.copy`) steps can be taken.
+    """
     return Flow(
-        fields,
-        start,
-        tuple(array.reshape(-1) for array in fields),
-        tuple(array.reshape(-1) for array in start),
-        tuple(getattr(fields, name) for name in EFFECT_FIELDS),
+        fields_of(state),
+        Before(before.level_set, before.u, before.w),
+        getattr(state, "store", before.store),
+        before.store,
         energy,
         carrier,
         geometry,
@@ -127,17 +133,9 @@ def fields_of(state):
 
 @inner_jit()
 def copy_all(target, source):
-    """Copy arrays (n,) into others, tuples of both."""
-    for m in range(len(target)):
-        for n in range(target[m].size):
-            target[m][n] = source[m][n]
-
-
-@inner_jit()
-def repeat(geometry, field):
-    """The halo of a periodic stretch repeats a field."""
-    if geometry.first > 0:
-        repeat_columns(field, geometry.first, geometry.last)
+    """Copy an array (n,) into another one."""
+    for n in range(target.size):
+        target[n] = source[n]
 
 
 @inner_jit()

@@ -32,6 +32,7 @@ import numpy as np
 
 from .cell_transport import TRUSTED, transport_cells
 from .compiled import inner_jit, kernel_jit
+from .geometry import repeat
 from .rheology import inertial_number
 from .strain import shear_rate_centre, strain_rates
 
@@ -94,6 +95,7 @@ def finish(flow, dt, law):
         constants.material.grain_scale,
         dt,
     )
+    repeat(geometry, fields.settled_share)
 
 
 @kernel_jit()

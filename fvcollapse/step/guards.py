@@ -33,7 +33,7 @@ from fvcollapse.case.case import GRAVITY
 from fvcollapse.case.limits import CELLS_MAX, STEPS_MAX
 from fvcollapse.errors import LimitReached
 
-from .compiled import inner_jit, kernel_jit
+from .compiled import inner_jit
 from .erodible_bed import layer_thickness
 from .flow import ENERGY_OUTFLOW, KINETIC, POTENTIAL, TIME, VOLUME_0, VOLUME_OUTFLOW, WORK_GATE
 from .gate import gate_velocity
@@ -66,7 +66,7 @@ def watch_of(case, start_energy):
     return Watch(float(start_energy), math.sin(slope), math.cos(slope), height, rubs)
 
 
-@kernel_jit()
+@inner_jit()
 def broken_law(flow, watch, relative_volume, speed):
     """The law that a state breaks, with the value and the limit of what it breaks; (`NO_LAW`, 0, 0) if none.
 

@@ -26,7 +26,7 @@ import math
 
 import numpy as np
 
-from .arrays import subtract, total
+from .arrays import copy, subtract, total
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, WET
 
@@ -106,17 +106,25 @@ def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, st
                 sink_z[i, k] = strength * pressure_z[i, k] / math.sqrt(speed**2 + slip_min**2)
 
 
+@inner_jit()
+def _wet_pressure(pressure_filled, geometry, i, k):
+    """Filled fraction times pressure of a cell, 0 in an empty one; Pa."""
+    return pressure_filled[i, k] if geometry.filled[i, k] > WET else 0.0
+
+
 @kernel_jit()
 def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, least_mass, dx, dz):
     """u_new = u + dt (g - grad p / rho) at the unknown faces, unchanged elsewhere; p of the last step."""
     nx, nz = pressure_filled.shape
-    wet = np.where(geometry.filled > WET, pressure_filled, 0.0)
     scale_x, scale_z = 1.0 / (balance.density * dx), 1.0 / (balance.density * dz)
-    u_new[:], w_new[:] = u, w
+    copy(u_new, u)
+    copy(w_new, w)
     for i in range(1, nx + 1):
         for k in range(nz):
             if geometry.index_u[i, k] >= 0:
-                jump = geometry.aperture[i, k] * (wet[i - 1, k] - (wet[i, k] if i < nx else 0.0))
+                ahead = _wet_pressure(pressure_filled, geometry, i, k) if i < nx else 0.0
+                jump = _wet_pressure(pressure_filled, geometry, i - 1, k) - ahead
+                jump *= geometry.aperture[i, k]
                 mass = geometry.mass_x[i, k]
                 u_new[i, k] += (
                     balance.dt * (balance.gx * mass + jump * scale_x) / max(mass, least_mass)
@@ -125,10 +133,10 @@ def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, lea
         for k in range(1, nz):
             if geometry.index_w[i, k] >= 0:
                 mass = geometry.mass_z[i, k]
+                jump = _wet_pressure(pressure_filled, geometry, i, k - 1)
+                jump -= _wet_pressure(pressure_filled, geometry, i, k)
                 w_new[i, k] += (
-                    balance.dt
-                    * (balance.gz * mass + (wet[i, k - 1] - wet[i, k]) * scale_z)
-                    / max(mass, least_mass)
+                    balance.dt * (balance.gz * mass + jump * scale_z) / max(mass, least_mass)
                 )
 
 
@@ -150,7 +158,8 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
         Floor of the face masses, as in the inertia of the solve.
     """
     nx, nz = w.shape[0], u.shape[1]
-    u_new[:], w_new[:] = u, w
+    copy(u_new, u)
+    copy(w_new, w)
     for i in range(nx + 1):
         for k in range(nz):
             if geometry.index_u[i, k] >= 0:

@@ -32,7 +32,7 @@ import numpy as np
 from .arrays import copy
 from .banded import factorise, new_system, solve_factorised
 from .compiled import inner_jit, kernel_jit
-from .geometry import WET
+from .geometry import WET, repeat
 from .rheology import effective_viscosity, with_extra_friction
 from .strain import shear_rate_centre
 
@@ -55,6 +55,7 @@ def start(state, case):
 def finish(flow, dt):
     """The fluidity is that of the solve."""
     copy(flow.fields.fluidity, flow.work.response.fluidity)
+    repeat(flow.geometry, flow.fields.fluidity)
 
 
 @inner_jit()

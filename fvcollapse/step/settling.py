@@ -23,7 +23,7 @@ def settling_flow(flow, soft_rate):
     return flow._replace(constants=flow.constants._replace(balance=balance))
 
 
-@inner_jit()
+@inner_jit(inline="always")
 def settle(flow, memory):
     """The column is at rest, in static equilibrium behind the closed gate, and its volume is that of the start.
 

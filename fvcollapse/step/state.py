@@ -40,9 +40,8 @@ SCALARS = {
         "1",
         "cells the fastest point has moved since the signed distance was last restored",
     ),
-    "travel_steps": ("1", "steps since then"),
 }
-COUNTS = ("step", "travel_steps")  # scalars that are whole numbers
+COUNTS = ("step",)  # scalars that are whole numbers
 
 
 class State:
@@ -77,9 +76,16 @@ class State:
         return {name: getattr(self, name) for name in [*self.field_names(), *SCALARS]}
 
     def copy(self):
-        """Independent copy of the state."""
-        made = State(**{name: getattr(self, name).copy() for name in self.field_names()})
-        made.numbers[:] = self.numbers
+        """Independent copy of the state, whose arrays are parts of one: `State.store`."""
+        names = [*self.field_names(), "numbers"]
+        ends = np.cumsum([getattr(self, name).size for name in names])
+        made = State.__new__(State)
+        made.store = np.empty(ends[-1])
+        vars(made).update(dict.fromkeys(EFFECT_FIELDS))
+        for name, part in zip(names, np.split(made.store, ends[:-1]), strict=True):
+            values = getattr(self, name)
+            setattr(made, name, part.reshape(values.shape))
+            getattr(made, name)[...] = values
         return made
 
 

@@ -11,15 +11,13 @@ from .flow import (
     ENERGY_OUTFLOW,
     TIME,
     TRAVEL,
-    TRAVEL_STEPS,
     VOLUME_0,
     VOLUME_CORRECTION,
     VOLUME_OUTFLOW,
     packing_of,
-    repeat,
 )
 from .gate import gate_height, hold_at_gate, open_fractions
-from .geometry import wetted_edge
+from .geometry import repeat, wetted_edge
 from .grain_volume import hold_volume
 from .terms import carry_terms
 
@@ -59,10 +57,9 @@ def restore_distance(fields, travel, dx, dz):
     """The level set is a signed distance again if it has been moved far enough, `travel` cells in this step."""
     numbers = fields.numbers
     numbers[TRAVEL] += travel
-    numbers[TRAVEL_STEPS] += 1
-    if redistancing.needs_restoring(numbers[TRAVEL], numbers[TRAVEL_STEPS]):
+    if numbers[TRAVEL] >= redistancing.RESTORE_AFTER:
         redistancing.reinitialise(fields.level_set, redistancing.SWEEPS, dx, dz)
-        numbers[TRAVEL] = numbers[TRAVEL_STEPS] = 0.0
+        numbers[TRAVEL] = 0.0
 
 
 @inner_jit()

@@ -33,7 +33,6 @@ from fvcollapse.effects.catalogue import effects_on
 from . import dilatancy, friction_hysteresis, lateral_friction, nonlocal_fluidity
 from .balance import balance_with
 from .compiled import inner_jit, is_kernel
-from .flow import repeat
 
 
 class Impulse(NamedTuple):
@@ -91,7 +90,6 @@ def carry_terms(response, flow, dt):
         dilatancy.carry(flow, dt)
     if flow.fields.settled_share.size > 0:
         friction_hysteresis.carry(flow, dt)
-    repeat_fields(flow)
 
 
 @inner_jit()
@@ -131,11 +129,3 @@ def finish_where_present(response, flow, dt):
         friction_hysteresis.finish(flow, dt, response.hysteresis)
     if fields.fluidity.size > 0:
         nonlocal_fluidity.finish(flow, dt)
-    repeat_fields(flow)
-
-
-@inner_jit()
-def repeat_fields(flow):
-    """The halo of a periodic stretch repeats the fields of the effects."""
-    for m in range(len(flow.of_effects)):
-        repeat(flow.geometry, flow.of_effects[m])
