@@ -14,6 +14,7 @@ import shutil
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
@@ -175,30 +176,37 @@ class RunCache:
         OutputError, KeyboardInterrupt
             What is finished is kept; the next call continues.
         """
+        return self.run_by(partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases)
+
+    def run_by(self, make_calls, cases):
+        """As `run_all`, the calls made by `make_calls(task, calls, finished)`; see `workers.run_all`."""
         found = {name: self.get(case) for name, case in cases.items()}
         missing = {name: case for name, case in cases.items() if found[name] is None}
-        failures = self.compute(longest(missing.values()), workers, scheduler, quiet)
+        made, failures = self.compute(longest(missing.values()), make_calls)
+        for name, case in missing.items():
+            found[name] = made.get(cache_key(case))
         failed = {name: failures.get(cache_key(case)) for name, case in missing.items()}
-        found |= {name: self.get(cases[name]) for name, error in failed.items() if error is None}
         results = {name: result for name, result in found.items() if result is not None}
         return Runs(results, {name: error for name, error in failed.items() if error is not None})
 
-    def compute(self, missing, workers, scheduler, quiet):
-        """Compute {key: case}; return {key: NumericalError} of those that failed."""
-        failures = {}
+    def compute(self, missing, make_calls):
+        """Compute {key: case}; ({key: Result}, {key: NumericalError} of those that failed)."""
+        made, failures = {}, {}
 
         def finished(key, outcome):
             if isinstance(outcome, NumericalError):
                 failures[key] = outcome
             elif isinstance(outcome, FvcollapseError):
                 raise outcome
-            elif self.get(missing[key]) is None:
-                found = "workers that do not see this folder"
-                raise InputError(self.folder, "--scheduler", found, "a shared file system")
+            else:
+                made[key] = self.get(missing[key])
+                if made[key] is None:
+                    found = "workers that do not see this folder"
+                    raise InputError(self.folder, "--scheduler", found, "a shared file system")
 
         calls = {key: (case, self.place(case), True) for key, case in missing.items()}
-        run_all(make_extract, calls, finished, workers, scheduler, quiet)
-        return failures
+        make_calls(make_extract, calls, finished)
+        return made, failures
 
 
 def longest(cases):
