@@ -184,7 +184,7 @@ def test_entry_of_another_case_is_made_again_with_a_word(started, tmp_path, caps
     assert len(started) == 2
 
 
-@pytest.mark.parametrize("name", ["series/runout", "profiles/thickness", "steps/dt"])
+@pytest.mark.parametrize("name", ["series/table", "profiles/table", "steps/table", "profiles/x"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_entry_that_is_not_finite_is_made_again_with_a_word(started, tmp_path, capsys, name, value):
     runs = RunCache(tmp_path)

@@ -39,7 +39,7 @@ from fvcollapse.output.run_folder import OUTPUT_KEYS
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import run_all
 
-FORMAT = 1  # of the extract; it is part of every key
+FORMAT = 2  # of the extract; it is part of every key
 EXTRACT, WORK = "extract.h5", "run"
 PROFILE_INTERVAL = 0.02  # s; the same for all runs, since output times influence the time steps
 VARIABLE = "FVCOLLAPSE_CACHE"
