@@ -82,6 +82,7 @@ def checkpoint_often():
     from fvcollapse.studies import members
 
     members.run_case = partial(output.run_case, checkpoint_interval=0.3)
+    output.CHECKPOINT_INTERVAL = 0.3
     output.SAVING_SHARE = 1.0
 
 

@@ -214,7 +214,10 @@ class ModelComparison:
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)
         share = np.log(len(closures))
-        log_evidence, log_wide = float(log_sum_exp(logs) - share), float(log_sum_exp(np.array(wide)) - share)
+        log_evidence, log_wide = (
+            float(log_sum_exp(logs) - share),
+            float(log_sum_exp(np.array(wide)) - share),
+        )
         return Hypothesis(
             *(name, log_evidence, log_wide, log_prior, sigma, closure.variant, u, low, high),
             *(*checks, difference),

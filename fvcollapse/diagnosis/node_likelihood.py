@@ -125,7 +125,11 @@ class BoundColumns:
 def stack_of(seen, closure):
     """The `Stack` of a closure for some `Seen` of the same comparison; made once."""
     stacks = seen[0].whitened.stacks
-    key = closure.levels.tobytes(), closure.errors.tobytes(), tuple(id(own.whitened) for own in seen)
+    key = (
+        closure.levels.tobytes(),
+        closure.errors.tobytes(),
+        tuple(id(own.whitened) for own in seen),
+    )
     if key not in stacks:
         stacks[key] = Stack([own.whitened for own in seen], closure)
     return stacks[key]

@@ -181,9 +181,7 @@ class Recorder:
             write_dataset(file.require_group("steps"), name, values, *about)
         group, profiles = file.create_group("profiles"), columns.profiles
         write_dataset(group, "time", profiles["time"], "s", "times of the profiles")
-        write_dataset(
-            group, "x", profiles["x"], "m", "distance along the bed from the back wall"
-        )
+        write_dataset(group, "x", profiles["x"], "m", "distance along the bed from the back wall")
         for name, about in PROFILES.items():
             write_dataset(group, name, profiles[name], *about)
         for name in ("fields", "paraview"):

@@ -14,7 +14,11 @@ from fvcollapse.files.hdf5 import write_dataset
 from fvcollapse.output.stored_numbers import NUMBERS, group_of, numbers_of, refuse
 
 LAYOUT, TABLES = "layout", "tables"  # root attribute of such a file, and its value
-GROUPS = {"series": 2, "steps": 2, "profiles": 3}  # dimensions of the tables; the first counts the names
+GROUPS = {
+    "series": 2,
+    "steps": 2,
+    "profiles": 3,
+}  # dimensions of the tables; the first counts the names
 ROWS, NAMES = "table", "names"
 
 

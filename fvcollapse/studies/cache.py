@@ -12,7 +12,6 @@ that failed without a word, is computed again, which is said on stderr.
 import os
 import shutil
 import sys
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -31,12 +30,12 @@ from fvcollapse.errors import (
 )
 from fvcollapse.files.atomic import locked_temporary, remove_stale, write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.output.extract import extract_image
+from fvcollapse.output.extract import FinishedRun, extract_image
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.result import open_result
-from fvcollapse.output.run_folder import OUTPUT_KEYS
-from fvcollapse.studies.members import run_member
+from fvcollapse.output.run_folder import CHECKPOINT, OUTPUT_KEYS, RESULT, stored_case
+from fvcollapse.output.run_without_result import run_without_result
 from fvcollapse.studies.workers import run_all
 
 FORMAT = 2  # of the extract; it is part of every key
@@ -176,7 +175,9 @@ class RunCache:
         OutputError, KeyboardInterrupt
             What is finished is kept; the next call continues.
         """
-        return self.run_by(partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases)
+        return self.run_by(
+            partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases
+        )
 
     def run_by(self, make_calls, cases):
         """As `run_all`, the calls made by `make_calls(task, calls, finished)`; see `workers.run_all`."""
@@ -261,21 +262,25 @@ def make_extract(case, place, quiet=True):
         Among others if the result has numbers that are not finite; nothing is left of it.
     """
     work = place / WORK
+
+    def keep(job):
+        """Write the extract, unless some of its numbers are not finite."""
+        finished = FinishedRun.of(job.recorder, job.case)
+        if not is_finite(finished):
+            shutil.rmtree(work, ignore_errors=True)
+            raise NumericalError("the result has numbers that are not finite", f"in {work}")
+        write_atomic(place / EXTRACT, extract_image(finished))
+
     with failures_named(), exclusive(place / LOCK):
         if read_extract(place, case)[0] is None:
             # a longer run that was cut short is finished as such
             end = max(case.time.end, begun_end(work))
-            run_member(cached_case(case.replace(**{"time.end": end})), work, quiet, force=True)
-            result = open_result(work)
-            if not is_finite(result):
-                shutil.rmtree(work, ignore_errors=True)
-                raise NumericalError("the result has numbers that are not finite", f"in {work}")
-            write_atomic(place / EXTRACT, extract_image(result))
+            longest = cached_case(case.replace(**{"time.end": end}))
+            run_without_result(longest, work, keep, quiet)
         shutil.rmtree(work, ignore_errors=True)
 
 
 def begun_end(work):
     """End of the run that was begun in a folder [s]; 0 if there is none."""
-    with suppress(InputError):
-        return open_result(work).case.time.end
-    return 0.0
+    begun = [stored_case(work / name) for name in (CHECKPOINT, RESULT)]
+    return max((case.time.end for case in begun if case is not None), default=0.0)
