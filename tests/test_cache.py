@@ -27,7 +27,8 @@ from fvcollapse.output.result import Profiles, Result
 from fvcollapse.output.stored_names import SERIES, STEPS
 from fvcollapse.output.trust import Trust
 from fvcollapse.studies import cache
-from fvcollapse.studies.cache import RunCache, cache_key, default_folder, ready_folder
+from fvcollapse.studies.cache import RunCache, cache_key
+from fvcollapse.studies.cache_folder import default_folder, ready_folder
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
 

@@ -33,6 +33,7 @@ from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.next_candidates import Candidate, candidates, set_up
 from fvcollapse.diagnosis.nuisances import with_nuisances
 from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.progress import NEXT
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.align import align_curve
 from fvcollapse.measure.curves import Curve
@@ -98,7 +99,7 @@ def choices(analysis, probability, runner):
         for name in hypotheses:
             if all(acts_in(part, case) for part in effects_of(name)):
                 wanted[number, name] = (experiment, with_hypothesis(case, analysis, name))
-    seen, _ = runner.observations(wanted)
+    seen, _ = runner.observations(wanted, NEXT)
     found = []
     for number, candidate in enumerate(planned):
         own = {label: each for (n, label), each in seen.items() if n == number}
