@@ -257,14 +257,14 @@ def expected_gain(white, chance, rng):
     outcome = place[truth] + rng.standard_normal((DRAWS, place.shape[1]))
     logs = np.log(chance) - 0.5 * ((outcome[:, None] - place) ** 2).sum(axis=2)
     after = np.exp(logs - logsumexp(logs, axis=1, keepdims=True))
-    drop = entropy(chance) - np.mean([entropy(row) for row in after])
+    drop = entropy(chance) - entropy(after).mean()
     return max(0.0, float(drop))
 
 
 def entropy(chance):
-    """Entropy of probabilities [bit]."""
-    inside = chance[chance > 0.0]
-    return float(-(inside * np.log2(inside)).sum())
+    """Entropy of probabilities along the last axis [bit]."""
+    logs = np.log2(chance, out=np.zeros_like(chance), where=chance > 0.0)
+    return -(chance * logs).sum(axis=-1)
 
 
 def repeats(difference, measurement, shared):
