@@ -41,7 +41,7 @@ def picture(figure, name, alt, caption, experiment=""):
 
 
 def lay_out(figure):
-    """Place the parts of a figure for good, as its layout engine has it; to be saved it is drawn once then, not twice."""
+    """Place the parts of a figure for good, as its layout engine has it: saved, it is drawn once and not twice."""
     FigureCanvasSVG(figure)
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")
