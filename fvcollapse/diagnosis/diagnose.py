@@ -27,6 +27,7 @@ from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.record import recorded
 from fvcollapse.diagnosis.report.findings import report_of
 from fvcollapse.diagnosis.report.page import FIGURES, PAGE, write_page
+from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, write_report
 from fvcollapse.diagnosis.report.schema import Cost
 from fvcollapse.diagnosis.runner import StandingRunner
@@ -114,16 +115,18 @@ def diagnose(
         threadpool_limits(1),  # the matrices are small: two threads take three times as long
     ):
         runner = StandingRunner(cache, standing, bar)
+        painter = None if folder is None else Painter(standing)
         analysis = analyse(question, runner, effects=effects, draws=draws)
         analysis, judged, model = judge(analysis)
         ladder = climb(analysis, runner, *contenders(analysis, judged))
         following = choices(analysis, judged.probability, runner)
-    cost = cost_of(question, runner, time.perf_counter() - start)
-    report = report_of(analysis, judged, ladder, following, cost, model)
-    report = replace(report, warnings=warnings)
-    if folder is not None:
-        report = read_report(write_report(report, folder))
-        write_page(report, folder)
+        bar.close()
+        cost = cost_of(question, runner, time.perf_counter() - start)
+        report = report_of(analysis, judged, ladder, following, cost, model)
+        report = replace(report, warnings=warnings)
+        if folder is not None:
+            report = read_report(write_report(report, folder))
+            write_page(report, folder, painter.draw)
     return report
 
 

@@ -58,15 +58,27 @@ class StandingWorkers:
             with executor(self.workers, self.scheduler) as place:
                 yield place
             return
-        if self.pool is None:
-            self.until_the_end.enter_context(raised_interrupt())
-            self.pool = ProcessPool(self.workers)
-        with one_thread(), deferred_interrupt(inf) as interrupted:
+        self.start_pool()
+        with deferred_interrupt(inf) as interrupted:
             try:
                 yield Place(self.pool, self.workers, interrupted)
             except BaseException:
                 self.end_pool(cut_short=True)
                 raise
+
+    def submit(self, task, *arguments):
+        """A future of `task(*arguments)`, made beside what this process does; None where it has no others."""
+        if self.scheduler is not None or self.workers == 1:
+            return None
+        self.start_pool()
+        return self.pool.submit(task, *arguments)
+
+    def start_pool(self):
+        """Let there be a pool; its processes start when there are calls for them."""
+        if self.pool is None:
+            self.until_the_end.enter_context(raised_interrupt())
+            self.until_the_end.enter_context(one_thread())
+            self.pool = ProcessPool(self.workers)
 
     def end_pool(self, cut_short):
         """End the processes; those that are marching save their state first."""
