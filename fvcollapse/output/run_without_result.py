@@ -40,3 +40,4 @@ def run_without_result(case, folder, keep, quiet=True):
         keeper = begun(case, folder, log, stored)
         keeper.keep = keep
         march_on(keeper, quiet)
+        log.info("done\nstep %d at t = %g s", keeper.job.state.step, keeper.job.state.time)
