@@ -7,6 +7,7 @@ interrupted or fails, and at the end.
 
 import io
 import time
+from functools import partial
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -127,7 +128,8 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        keeper = begun(case, folder, log, stored, simulate, checkpoint_interval)
+        make = partial(Job, simulate=simulate)
+        keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)
         march_on(keeper, quiet)
         result = open_result(folder)
@@ -135,13 +137,13 @@ def run_case(
     return result
 
 
-def begun(case, folder, log, stored, simulate=None, interval=None):
-    """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`."""
+def begun(case, folder, log, stored, make, interval=None):
+    """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`; `make` makes its `Job`."""
     log_start(log, case, stored)
     if not_kept():
         tell_once(log, UNCACHED)
     with failures_named():
-        job = Job(case, stored, simulate)
+        job = make(case, stored)
     return Keeper(job, folder, log, CHECKPOINT_INTERVAL if interval is None else interval)
 
 
@@ -155,12 +157,14 @@ def march_on(keeper, quiet):
 class Job:
     """A simulation with its recorder: the two always belong to the same instant after `step`.
 
-    `simulate` makes the simulation of (case, state), if not `Simulation` itself.
+    `simulate` makes the simulation of (case, state), if not `Simulation` itself; without `fields` none are recorded.
     """
 
-    def __init__(self, case, stored=None, simulate=None):
+    def __init__(self, case, stored=None, simulate=None, fields=True):
         simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
+        if not fields:
+            self.landings = [landing._replace(field=False) for landing in self.landings]
         if stored is None:
             self.simulation, self.recorder = simulate(case), Recorder()
             self.recorder.add_series(self.simulation)
