@@ -94,7 +94,7 @@ class ToyRunner:
     def __init__(self, *_, **__):
         self.asked, self.computed = set(), set()
 
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         for _, case in wanted.values():
             self.asked.add(case.to_toml())
         self.computed = set(self.asked)

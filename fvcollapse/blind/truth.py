@@ -1,6 +1,5 @@
 """The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
 
-import io
 import math
 from functools import partial
 from typing import NamedTuple
@@ -13,10 +12,9 @@ from fvcollapse.console.bars import progress_bar
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import as_grid
 from fvcollapse.measure.observables import observe
-from fvcollapse.output.extract import extract_image, open_image
-from fvcollapse.output.result import Result, open_result
+from fvcollapse.output.extract import FinishedRun, extract_image, open_image
+from fvcollapse.output.result import open_result
 from fvcollapse.output.run import Job
-from fvcollapse.output.trust import COMPLETE
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES
 
@@ -68,7 +66,7 @@ def run_truth(case, forces):
     job = Job(case, simulate=partial(Simulation, stages=stages))
     with progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
-    return open_image(extract_image(Result(io.BytesIO(job.result_image(COMPLETE)))))
+    return open_image(extract_image(FinishedRun.of(job.recorder, case)))
 
 
 def keep_truth(case_text, forces, path):

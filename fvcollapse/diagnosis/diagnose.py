@@ -6,6 +6,7 @@ the effect to the solver, `choices` plans the next experiment, `report_of` write
 
 import dataclasses
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import Case, load_case
+from fvcollapse.console.rounds_bar import RoundsBar
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.ladder import climb
 from fvcollapse.diagnosis.library import DRAWS
@@ -20,19 +22,22 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.oddities import oddities_of, tell
+from fvcollapse.diagnosis.progress import expected_costs
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.record import recorded
 from fvcollapse.diagnosis.report.findings import report_of
 from fvcollapse.diagnosis.report.page import FIGURES, PAGE, write_page
+from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, write_report
 from fvcollapse.diagnosis.report.schema import Cost
-from fvcollapse.diagnosis.runner import Runner
+from fvcollapse.diagnosis.runner import StandingRunner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
 from fvcollapse.output.question import claim_folder
+from fvcollapse.studies.standing import StandingWorkers
 from fvcollapse.studies.workers import refuse_workers
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
@@ -104,18 +109,24 @@ def diagnose(
         make_folder(folder, FILE_NAME, PAGE)
         make_folder(Path(folder) / FIGURES)
     tell(warnings)
-    runner = Runner(cache, workers, scheduler, quiet)
-    with threadpool_limits(1):  # the matrices are small: two threads take three times as long
+    with (
+        StandingWorkers(workers, scheduler) as standing,
+        closing(RoundsBar(expected_costs(question), quiet)) as bar,
+        threadpool_limits(1),  # the matrices are small: two threads take three times as long
+    ):
+        runner = StandingRunner(cache, standing, bar)
+        painter = None if folder is None else Painter(standing)
         analysis = analyse(question, runner, effects=effects, draws=draws)
         analysis, judged, model = judge(analysis)
         ladder = climb(analysis, runner, *contenders(analysis, judged))
         following = choices(analysis, judged.probability, runner)
-    cost = cost_of(question, runner, time.perf_counter() - start)
-    report = report_of(analysis, judged, ladder, following, cost, model)
-    report = replace(report, warnings=warnings)
-    if folder is not None:
-        report = read_report(write_report(report, folder))
-        write_page(report, folder)
+        bar.close()
+        cost = cost_of(question, runner, time.perf_counter() - start)
+        report = report_of(analysis, judged, ladder, following, cost, model)
+        report = replace(report, warnings=warnings)
+        if folder is not None:
+            report = read_report(write_report(report, folder))
+            write_page(report, folder, painter.draw)
     return report
 
 

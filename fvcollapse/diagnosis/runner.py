@@ -4,11 +4,15 @@ An effect that changes the observation and not the flow is read off the run with
 """
 
 from copy import copy
+from functools import partial
 
+from fvcollapse.diagnosis.progress import cost_of_run
 from fvcollapse.errors import NumericalError, failures_named
 from fvcollapse.measure.observables import observe
 from fvcollapse.measure.observation import flow_case
-from fvcollapse.studies.cache import EXTRACT, RunCache, ready_folder
+from fvcollapse.studies.cache import RunCache
+from fvcollapse.studies.cache_folder import ready_folder
+from fvcollapse.studies.workers import run_all
 
 
 class Runner:
@@ -27,17 +31,15 @@ class Runner:
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
         self.asked, self.computed = set(), set()
 
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
 
-        The costly ones first.
+        The costly ones first. `phase` is the word of the progress bar for these runs.
         """
         flows = {label: flow_case(case) for label, (_, case) in wanted.items()}
-        places = {label: self.cache.place(case) for label, case in flows.items()}
-        missing = {place for place in places.values() if not (place / EXTRACT).exists()}
-        self.asked |= set(places.values())
-        self.computed |= missing
-        runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
+        runs = self.cache.run_by(partial(self.make_calls, phase, flows), flows)
+        self.asked |= runs.asked
+        self.computed |= runs.computed
         seen, failures = {}, dict(runs.failures)
         for label, result in runs.results.items():
             experiment, case = wanted[label]
@@ -49,3 +51,35 @@ class Runner:
             except NumericalError as error:
                 failures[label] = error
         return seen, failures
+
+    def make_calls(self, phase, flows, task, calls, finished):
+        """Make the calls that the cache needs; see `workers.run_all`."""
+        run_all(task, calls, finished, self.workers, self.scheduler, self.quiet)
+
+
+class StandingRunner(Runner):
+    """A `Runner` whose workers stay from one call to the next, with one bar over all of them.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        See `Runner`.
+    workers : StandingWorkers
+    bar : RoundsBar
+    """
+
+    def __init__(self, folder, workers, bar):
+        super().__init__(folder)
+        self.standing, self.bar = workers, bar
+
+    def make_calls(self, phase, flows, task, calls, finished):
+        """See `Runner.make_calls`."""
+        costs = {key: cost_of_run(case) for key, (case, *_) in calls.items()}
+        self.bar.begin(phase, [*costs.values()], sum(map(cost_of_run, flows.values())))
+
+        def end(key, outcome):
+            """Count a run that has ended."""
+            self.bar.end_run(costs[key])
+            finished(key, outcome)
+
+        self.standing.run_all(task, calls, end)

@@ -34,6 +34,14 @@ class Landing(NamedTuple):
     field: bool
 
 
+class Columns(NamedTuple):
+    """The record of a run as arrays by name, as a result has them: series, step log and profiles."""
+
+    series: dict
+    steps: dict
+    profiles: dict
+
+
 def schedule(case):
     """All `Landing`s of a case in order; times are k * interval, never accumulated."""
     end = case.time.end
@@ -163,24 +171,32 @@ class Recorder:
 
     # -- to and from a file ----------------------------------------------------------------------
 
-    def write(self, file):
-        """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
-        columns = self.series | {
+    def columns(self):
+        """The `Columns` of the record."""
+        series = self.series | {
             "front_velocity": front_velocity(self.series["time"], self.series["front_position"]),
             "numerical_loss": numerical_loss(self.series),
         }
+        heights = {name: pad_rows(self.profiles[name], len(self.x)) for name in PROFILES}
+        return Columns(
+            {name: np.array(series[name]) for name in SERIES},
+            {name: np.array(self.steps.get(name, [])) for name in STEPS | self.steps},
+            {"time": np.array(self.profile_times), "x": self.x} | heights,
+        )
+
+    def write(self, file):
+        """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
+        columns = self.columns()
         for name, about in SERIES.items():
-            write_dataset(file.require_group("series"), name, np.array(columns[name]), *about)
-        for name in STEPS | self.steps:
+            write_dataset(file.require_group("series"), name, columns.series[name], *about)
+        for name, values in columns.steps.items():
             about = STEPS.get(name, ("SI", name.replace("_", " ")))
-            write_dataset(
-                file.require_group("steps"), name, np.array(self.steps.get(name, [])), *about
-            )
-        group = file.create_group("profiles")
-        write_dataset(group, "time", np.array(self.profile_times), "s", "times of the profiles")
-        write_dataset(group, "x", self.x, "m", "distance along the bed from the back wall")
+            write_dataset(file.require_group("steps"), name, values, *about)
+        group, profiles = file.create_group("profiles"), columns.profiles
+        write_dataset(group, "time", profiles["time"], "s", "times of the profiles")
+        write_dataset(group, "x", profiles["x"], "m", "distance along the bed from the back wall")
         for name, about in PROFILES.items():
-            write_dataset(group, name, pad_rows(self.profiles[name], len(self.x)), *about)
+            write_dataset(group, name, profiles[name], *about)
         for name in ("fields", "paraview"):
             self.store.copy(name, file)
 

@@ -7,6 +7,7 @@ interrupted or fails, and at the end.
 
 import io
 import time
+from functools import partial
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -39,7 +40,7 @@ from fvcollapse.output.run_folder import (
     usable_checkpoint,
 )
 from fvcollapse.output.run_log import log_start, run_log, tell_once
-from fvcollapse.output.stepping import Pace, ending, march_on, trust_of_record
+from fvcollapse.output.stepping import Pace, ending, steps_towards, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
 from fvcollapse.simulation import Simulation
@@ -76,7 +77,7 @@ def run_case(
     folder,
     resume=False,
     quiet=False,
-    checkpoint_interval=CHECKPOINT_INTERVAL,
+    checkpoint_interval=None,
     force=False,
     simulate=None,
 ):
@@ -92,8 +93,8 @@ def run_case(
         end.
     quiet : bool
         No progress bar (there is none either when stderr is not a terminal).
-    checkpoint_interval : float
-        Wall time between checkpoints [s].
+    checkpoint_interval : float, optional
+        Wall time between checkpoints [s]; default `CHECKPOINT_INTERVAL`.
     force : bool
         Continue a run of the same case, and replace one of another.
     simulate : callable, optional
@@ -127,29 +128,43 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        log_start(log, case, stored)
-        if not_kept():
-            tell_once(log, UNCACHED)
-        with failures_named():
-            job = Job(case, stored, simulate)
-        keeper = Keeper(job, folder, log, checkpoint_interval)
+        make = partial(Job, simulate=simulate)
+        keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)
-        with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
-            keeper.march(bar, interrupted)
+        march_on(keeper, quiet)
         result = open_result(folder)
         log.info("done\n%s", result.summary_table())
     return result
 
 
+def begun(case, folder, log, stored, make, interval=None):
+    """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`; `make` makes its `Job`."""
+    log_start(log, case, stored)
+    if not_kept():
+        tell_once(log, UNCACHED)
+    with failures_named():
+        job = make(case, stored)
+    return Keeper(job, folder, log, CHECKPOINT_INTERVAL if interval is None else interval)
+
+
+def march_on(keeper, quiet):
+    """March to the end with a progress bar; a signal is heeded after a step."""
+    job = keeper.job
+    with progress_bar(job.case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
+        keeper.march(bar, interrupted)
+
+
 class Job:
     """A simulation with its recorder: the two always belong to the same instant after `step`.
 
-    `simulate` makes the simulation of (case, state), if not `Simulation` itself.
+    `simulate` makes the simulation of (case, state), if not `Simulation` itself; without `fields` none are recorded.
     """
 
-    def __init__(self, case, stored=None, simulate=None):
+    def __init__(self, case, stored=None, simulate=None, fields=True):
         simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
+        if not fields:
+            self.landings = [landing._replace(field=False) for landing in self.landings]
         if stored is None:
             self.simulation, self.recorder = simulate(case), Recorder()
             self.recorder.add_start(self.simulation, self.landings[0])
@@ -180,7 +195,7 @@ class Job:
         NumericalError
             A step has failed; the good ones before it are recorded.
         """
-        marched = march_on(self.simulation, self.recorder, landing, self.pace)
+        marched = steps_towards(self.simulation, self.recorder, landing, self.pace)
         self.state = marched.state.copy()
         if marched.problem is not None:
             raise marched.problem
@@ -206,11 +221,18 @@ class Job:
 
 
 class Keeper:
-    """Advances a job and saves its files at intervals, when it is stopped, and at the end."""
+    """Advances a job and saves its files at intervals, when it is stopped, and at the end.
+
+    Attributes
+    ----------
+    keep : function or None
+        Gets the finished job, of which no result is wanted; see `run_without_result`.
+    """
 
     def __init__(self, job, folder, log, interval):
         self.job, self.folder, self.log, self.interval = job, folder, log, interval
-        self.saved_at, self.cost, self.capped, self.running = 0.0, 0.0, 0, False
+        self.saved_at, self.cost, self.capped, self.running = time.monotonic(), 0.0, 0, False
+        self.keep = None
 
     def march(self, bar, interrupted):
         """Run the job to its end; the last good state is saved, whatever ends the run."""
@@ -256,12 +278,15 @@ class Keeper:
             self.log.warning("further capped steps are only counted")
 
     def save(self, status):
-        """Checkpoint, result and XDMF file, in this order, each replaced atomically."""
+        """Checkpoint, result and XDMF file, in this order, each replaced atomically; see `keep`."""
         start, job = time.monotonic(), self.job
         try:
+            if self.keep is not None and status == COMPLETE:
+                self.keep(job)
+                return
             write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
-            write_atomic(self.folder / RESULT, job.result_image(status), self.running)
-            write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
+            if self.keep is None or status not in (RUNNING, INTERRUPTED):
+                self.save_result(status)
         except (OutputError, MemoryError) as problem:
             error = as_output_error(problem, self.folder, self.running)
             self.log.error("%s", error)
@@ -274,3 +299,9 @@ class Keeper:
             job.state.step,
             self.capped,
         )
+
+    def save_result(self, status):
+        """Result and XDMF file."""
+        job = self.job
+        write_atomic(self.folder / RESULT, job.result_image(status), self.running)
+        write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)

@@ -25,7 +25,7 @@ class Pace:
             self.steps = int(min(max(CALL * steps / max(seconds, 1e-9), 1), MOST, 4 * self.steps))
 
 
-def march_on(simulation, recorder, landing, pace):
+def steps_towards(simulation, recorder, landing, pace):
     """Take some steps towards a landing and record them; a step that fails leaves no trace in the record.
 
     Parameters
