@@ -21,6 +21,8 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                 if k == 0:
                     band[n, 0] += work.k_bed[i] / dz
                 rhs[n] = m * u_star[i, k] + balance.density * balance.gx * mass
+                if k == 0:
+                    rhs[n] -= work.bed_drag[i] / dz
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             n = geometry.index_w[i, k]

@@ -19,10 +19,12 @@ from .assembly import assemble
 from .banded import factorise, solve_factorised
 from .coefficients import answer_beforehand, coefficients
 from .compiled import inner_jit, kernel_jit
-from .geometry import WET, last_face, repeat_columns
+from .extrapolation import TRUSTED_U
+from .geometry import WET, repeat_columns
 from .grain_response import relax_late
 from .residual import momentum_residual
 from .rheology import with_shear_rate_min
+from .sliding_bed import bed_force, linearise
 from .viscous import divergence
 
 FRICTION_TOLERANCE = 0.01  # change of the bed's friction between two sweeps
@@ -46,23 +48,31 @@ class Outcome(NamedTuple):
 
 
 @kernel_jit()
-def take_solution(u, w, solution, geometry):
-    """Write the solution to the faces; return (largest change, largest speed), m/s."""
+def take_solution(u, w, solution, geometry, least_mass):
+    """Write the solution to the faces; return (largest change, largest speed) of those with this mass, m/s.
+
+    Parameters
+    ----------
+    least_mass : float
+        Part of a full face mass.
+    """
     nx = geometry.filled.shape[0]
     change = largest = 0.0
     for i in range(nx + 1):
         for k in range(geometry.reach[i]):
             n = geometry.index_u[i, k]
             if n >= 0:
-                change = larger(change, abs(solution[n] - u[i, k]))
-                largest = larger(largest, abs(solution[n]))
+                if geometry.mass_x[i, k] >= least_mass:
+                    change = larger(change, abs(solution[n] - u[i, k]))
+                    largest = larger(largest, abs(solution[n]))
                 u[i, k] = solution[n]
     for i in range(nx):
         for k in range(geometry.reach[i]):
             n = geometry.index_w[i, k]
             if n >= 0:
-                change = larger(change, abs(solution[n] - w[i, k]))
-                largest = larger(largest, abs(solution[n]))
+                if geometry.mass_z[i, k] >= least_mass:
+                    change = larger(change, abs(solution[n] - w[i, k]))
+                    largest = larger(largest, abs(solution[n]))
                 w[i, k] = solution[n]
     return change, largest
 
@@ -131,16 +141,6 @@ def slide_along(response, bed_slip, solution, u, geometry):
         if n >= 0 and bed_slip[i] != 0.0:
             slip = bed_slip[i] + solution[n] - u[i, 0]
             bed_slip[i] = min(max(slip, min(solution[n], 0.0)), max(solution[n], 0.0))
-
-
-@inner_jit()
-def bed_force(work, u, geometry):
-    """Sum of |traction| over the bed faces, Pa; the sweeps must settle it, not only the velocity."""
-    total = 0.0
-    for i in range(geometry.first, last_face(geometry)):
-        if geometry.index_u[i, 0] >= 0:
-            total += work.k_bed[i] * abs(u[i, 0])
-    return total
 
 
 @kernel_jit()
@@ -212,16 +212,19 @@ def solve(
         rate = max(material.shear_rate_min, balance.rate_start * 0.1**sweep)
         softened = with_shear_rate_min(material, rate)
         relax_late(answered, sweep)
-        coefficients(work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz)
+        coefficients(
+            work, u, w, pressure_filled, bed_slip, geometry, softened, balance, dx, dz, sweep > 0
+        )
         previous = friction
         friction = bed_force(work, u, geometry)
+        linearise(work, bed_slip, u, geometry, balance.speed_scale)
         assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz)
         info = factorise(band, ends)
         if info != 0:
             break
         solve_factorised(rhs, band, ends)
         slide_along(balance.response, bed_slip, rhs, u, geometry)
-        change, largest = take_solution(u, w, rhs, geometry)
+        change, largest = take_solution(u, w, rhs, geometry, TRUSTED_U)
         div_max = update_multiplier(
             pressure_filled,
             work,

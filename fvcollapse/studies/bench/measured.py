@@ -89,7 +89,7 @@ def time_sweep(simulation):
 
     def compute():
         coefficients.coefficients(
-            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing
+            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing, True
         )
 
     def put_together():
