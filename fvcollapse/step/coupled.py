@@ -34,7 +34,7 @@ class Outcome(NamedTuple):
     """What the sweeps report.
 
     `change` of the last sweep (to `speed`, the largest one, m/s, or the scale of slow grains) and `residual` of the
-    momentum balance are relative; `settled`: the
+    momentum balance are relative; change and speed are those of the faces with a `least_mass`. `settled`: the
     velocity has converged to the tolerance and the friction of the bed to `FRICTION_TOLERANCE`.
     """
 
@@ -75,6 +75,18 @@ def take_solution(u, w, solution, geometry, least_mass):
                     largest = larger(largest, abs(solution[n]))
                 w[i, k] = solution[n]
     return change, largest
+
+
+@inner_jit()
+def least_mass(response):
+    """Part of a full mass from which a face counts for convergence: lighter ones are continued from behind afterwards.
+
+    Where the grains dilate every face counts: their source follows the pressure, which must settle for the budget of
+    the energy to close.
+    """
+    if response is None:
+        return TRUSTED_U
+    return 0.0 if response.dilatancy.factor > 0.0 else TRUSTED_U
 
 
 @inner_jit()
@@ -224,7 +236,7 @@ def solve(
             break
         solve_factorised(rhs, band, ends)
         slide_along(balance.response, bed_slip, rhs, u, geometry)
-        change, largest = take_solution(u, w, rhs, geometry, TRUSTED_U)
+        change, largest = take_solution(u, w, rhs, geometry, least_mass(balance.response))
         div_max = update_multiplier(
             pressure_filled,
             work,
