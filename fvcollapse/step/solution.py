@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from . import coupled
-from .banded import allocate_system, clear
+from .banded import allocate_system
 from .grain_response import prepare_response
 
 
@@ -52,7 +52,8 @@ def solve_coupled(simulation, u_star, w_star, balance):
         balance,
         *simulation.spacing,
     )
-    if outcome.info == 0 and math.isfinite(outcome.change):  # else there is NaN in it
-        clear(band, ends)
+    if outcome.info == 0 and math.isfinite(
+        outcome.change + outcome.residual
+    ):  # else it is not zero
         simulation.buffer = band.reshape(-1) if band.size > buffer.size else buffer
     return outcome
