@@ -56,8 +56,7 @@ def new_system(n, half_bandwidth):
 @inner_jit()
 def _clear_column(flat, j, width, ends):
     """Zero column j of the flat band within the envelope; there is nothing else outside of it."""
-    for m in range(j * width, j * width + ends[j] - j + 1):
-        flat[m] = 0.0
+    flat[j * width : j * width + ends[j] - j + 1] = 0.0
 
 
 @kernel_jit()
