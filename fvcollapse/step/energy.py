@@ -114,12 +114,12 @@ def face_sums(mass, solved, start):
 
 
 @inner_jit()
-def bed_work(k_bed, bed_slip, u, geometry):
+def bed_work(k_bed, bed_drag, bed_slip, u, geometry):
     """Power of the friction of the bed over its slip, and over the velocity of the first faces, W/m2, summed."""
     slid = moved = 0.0
     for i in range(geometry.first, last_face(geometry)):
         if geometry.index_u[i, 0] >= 0:
-            force = k_bed[i] * u[i, 0]
+            force = k_bed[i] * u[i, 0] + bed_drag[i]
             slid += force * bed_slip[i]
             moved += force * u[i, 0]
     return slid, moved
@@ -144,7 +144,7 @@ def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
     return (
         viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz),
         friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry),
-        bed_work(scratch.k_bed, bed_slip, u, geometry),
+        bed_work(scratch.k_bed, scratch.bed_drag, bed_slip, u, geometry),
         wall_work(scratch.k_wall, scratch.wall_slip, w, geometry),
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import coupled
 from .arrays import add
-from .banded import clear, system_in
+from .banded import system_in
 from .compiled import inner_jit
 from .grain_response import prepare_response
 
@@ -62,8 +62,6 @@ def solve(flow, ends, u_star, w_star, impulse, balance, memory):
         constants.dx,
         constants.dz,
     )
-    if outcome.info == 0 and math.isfinite(outcome.change):
-        clear(band, ends)
-    else:  # there is NaN in it
-        memory = np.zeros(0)
+    if outcome.info != 0 or not math.isfinite(outcome.change + outcome.residual):
+        memory = np.zeros(0)  # what was there is not zero
     return outcome, memory
