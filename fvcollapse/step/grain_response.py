@@ -1,13 +1,13 @@
 """What effects make the grains do beyond the local law at fixed density: the one hook of the solve.
 
-Dilatancy, friction hysteresis and nonlocal fluidity change the coefficients of a nonlinear sweep:
+Dilatancy, friction hysteresis, thin layers and nonlocal fluidity change the coefficients of a nonlinear sweep:
 
-* the friction coefficient of every cell, by `extra_friction` (all three);
+* the friction coefficient of every cell, by `extra_friction` (all four), and of the bed (thin layers);
 * the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy).
 
 They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
-tan(psi); nonlocal fluidity, which makes the law with these two nonlocal. `Response.active` is false
-without them, and then nothing here is called.
+tan(psi); thin layers, whose friction is that of mu_stop at least; nonlocal fluidity, which makes the law with these
+nonlocal. `Response.active` is false without them, and then nothing here is called.
 """
 
 from typing import NamedTuple
@@ -22,6 +22,7 @@ from .geometry import WET
 from .nonlocal_fluidity import cooperate, nonlocal_length
 from .rheology import ETA_FLOOR
 from .strain import mean_square, shear_rate_centre, shear_rate_from
+from .thin_layer import ThinLayer, strengthen, thin_layer_law
 
 
 class Response(NamedTuple):
@@ -30,13 +31,14 @@ class Response(NamedTuple):
     active: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
+    thin: ThinLayer
     length: float
 
 
 class ResponseWork(NamedTuple):
     """Scratch arrays (nx, nz) of the effects; all zero while they are off.
 
-    solid_fraction and settled_friction are set before the solve; share (1,) is how far a sweep
+    bed_excess (nx,) is what thin layers add to the friction of a bed on which grains slide; solid_fraction and settled_friction are set before the solve; share (1,) is how far a sweep
     moves source and friction towards their new values. `local_friction` is `extra_friction` before
     the nonlocal law.
     """
@@ -48,19 +50,21 @@ class ResponseWork(NamedTuple):
     settled_friction: np.ndarray
     solid_fraction: np.ndarray
     fluidity: np.ndarray
+    bed_excess: np.ndarray
     share: np.ndarray
 
 
 def response_of(case):
     """`Response` of a case."""
-    dilatancy, hysteresis, length = dilatancy_law(case), hysteresis_law(case), nonlocal_length(case)
-    active = dilatancy.factor > 0.0 or hysteresis.delta_mu > 0.0 or length > 0.0
-    return Response(active, dilatancy, hysteresis, length)
+    dilatancy, hysteresis, thin = dilatancy_law(case), hysteresis_law(case), thin_layer_law(case)
+    length = max(nonlocal_length(case), thin.cooperation)
+    active = max(dilatancy.factor, hysteresis.delta_mu, thin.length, length) > 0.0
+    return Response(active, dilatancy, hysteresis, thin, length)
 
 
 def allocate_response(nx, nz):
     """Scratch arrays for an nx by nz grid."""
-    return ResponseWork(*(np.zeros((nx, nz)) for _ in range(7)), np.ones(1))
+    return ResponseWork(*(np.zeros((nx, nz)) for _ in range(7)), np.zeros(nx), np.ones(1))
 
 
 # -- once a step ---------------------------------------------------------------------------------
@@ -125,6 +129,18 @@ def respond(
     else:
         copy(work.local_friction, work.settled_friction)
     copy(work.extra_friction, work.local_friction)
+    if response.thin.length > 0.0:
+        strengthen(
+            work.extra_friction,
+            work.bed_excess,
+            e_centre,
+            g_node,
+            pressure_filled,
+            geometry,
+            material,
+            response.thin,
+            dz,
+        )
     if response.length > 0.0:
         cooperate(
             work.extra_friction,
