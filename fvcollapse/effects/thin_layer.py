@@ -67,5 +67,5 @@ EFFECT = Effect(
     absorbed_in=("rheology.mu_1", "rheology.mu_2", "boundary.mu_bed"),
     variants=({"closure": "thickness"}, {"closure": "nonlocal"}),
     refuse=refuse,
-    zero=({"length": 1e-300}, {"length": 1e-300, "closure": "nonlocal"}),
+    zero=({"length": 1e-30},),
 )

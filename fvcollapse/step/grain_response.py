@@ -17,30 +17,30 @@ import numpy as np
 from .arrays import copy
 from .compiled import inner_jit, kernel_jit
 from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate
+from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
-from .nonlocal_fluidity import cooperate, nonlocal_length
 from .rheology import ETA_FLOOR
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
 
 
 class Response(NamedTuple):
-    """Laws of the effects; `active` says whether any of them has a strength, `length` is A d in m."""
+    """Laws of the effects; `active` says whether any of them has a strength."""
 
     active: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
     thin: ThinLayer
-    length: float
+    cooperation: Cooperation
 
 
 class ResponseWork(NamedTuple):
     """Scratch arrays (nx, nz) of the effects; all zero while they are off.
 
-    bed_excess (nx,) is what thin layers add to the friction of a bed on which grains slide; solid_fraction and settled_friction are set before the solve; share (1,) is how far a sweep
-    moves source and friction towards their new values. `local_friction` is `extra_friction` before
-    the nonlocal law.
+    bed_excess (nx,) is what thin layers add to the friction of a bed on which grains slide. solid_fraction
+    and settled_friction are set before the solve; share (1,) is how far a sweep moves source and friction
+    towards their new values. `local_friction` is `extra_friction` before thin layers and the nonlocal law.
     """
 
     source: np.ndarray
@@ -57,9 +57,9 @@ class ResponseWork(NamedTuple):
 def response_of(case):
     """`Response` of a case."""
     dilatancy, hysteresis, thin = dilatancy_law(case), hysteresis_law(case), thin_layer_law(case)
-    length = max(nonlocal_length(case), thin.cooperation)
-    active = max(dilatancy.factor, hysteresis.delta_mu, thin.length, length) > 0.0
-    return Response(active, dilatancy, hysteresis, thin, length)
+    cooperation = cooperation_law(case, thin)
+    active = max(dilatancy.factor, hysteresis.delta_mu, thin.length, cooperation.length) > 0.0
+    return Response(active, dilatancy, hysteresis, thin, cooperation)
 
 
 def allocate_response(nx, nz):
@@ -73,6 +73,7 @@ def allocate_response(nx, nz):
 def prepare_response(work, state, response):
     """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
     work.local_friction[:] = 0.0
+    work.fluidity[:] = 0.0
     if state.solid_fraction is not None:
         work.solid_fraction[:] = state.solid_fraction
     if state.settled_share is not None:
@@ -141,7 +142,7 @@ def respond(
             response.thin,
             dz,
         )
-    if response.length > 0.0:
+    if response.cooperation.length > 0.0:
         cooperate(
             work.extra_friction,
             work.fluidity,
@@ -150,7 +151,7 @@ def respond(
             pressure_filled,
             geometry,
             material,
-            response.length,
+            response.cooperation,
             dx,
             dz,
         )

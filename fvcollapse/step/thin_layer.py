@@ -73,7 +73,9 @@ def top_of_run(filled, i, low, reach):
 
 
 @inner_jit()
-def strengthen(friction, bed_excess, e_centre, g_node, pressure_filled, geometry, material, law, dz):
+def strengthen(
+    friction, bed_excess, e_centre, g_node, pressure_filled, geometry, material, law, dz
+):
     """Add what thin layers need to the extra friction of the cells; what a bed on which grains slide has more.
 
     Parameters
@@ -110,7 +112,5 @@ def strengthen(friction, bed_excess, e_centre, g_node, pressure_filled, geometry
                     p = pressure_filled[i, k] / filled[i, k]
                     if p > 0.0:
                         rate = shear_rate_centre(e_centre, g_node, i, k)
-                        friction[i, k] += max(
-                            excess - viscous_friction(rate, p, material), 0.0
-                        )
+                        friction[i, k] += max(excess - viscous_friction(rate, p, material), 0.0)
             low = top
