@@ -41,57 +41,71 @@ def cooperation_law(case, thin):
 
 
 @inner_jit()
-def beside(i, step, geometry):
+def beside(i, step, first, last):
     """Column next to column i (`step` = 1 or -1), round the ends of a periodic stretch; -1 if there is none."""
     column = i + step
-    if geometry.first > 0:
-        period = geometry.last - geometry.first
-        column = geometry.first + (column - geometry.first + period) % period
+    if first > 0:
+        column = first + (column - first) % (last - first)
         return -1 if column == i else column
-    return column if 0 <= column < geometry.last else -1
+    return column if 0 <= column < last else -1
 
 
 @inner_jit()
-def coupling(geometry, i, k, other, face):
-    """Wetted and open part of the side between cell (i, k) and the same row of the column `other`."""
-    shared = min(geometry.filled[i, k], geometry.filled[other, k])
-    return shared * geometry.aperture[face, k] if shared > WET else 0.0
+def couplings(side, above, geometry, length, dx, dz):
+    """Strength (A d/spacing)^2 times wetted part, of the sides (nx + 1, nz) and tops (nx, nz) of the wet cells."""
+    filled, aperture = geometry.filled, geometry.aperture
+    first, last = geometry.first, geometry.last
+    x, z = (length / dx) ** 2, (length / dz) ** 2
+    for i in range(first, last):
+        left, right = beside(i, -1, first, last), beside(i, 1, first, last)
+        for k in range(geometry.reach[i]):
+            v = filled[i, k]
+            if v <= WET:
+                continue
+            if left >= 0 and filled[left, k] > WET:
+                side[i, k] = x * min(v, filled[left, k]) * aperture[i, k]
+            if right >= 0 and filled[right, k] > WET:
+                side[i + 1, k] = x * min(v, filled[right, k]) * aperture[i + 1, k]
+            if k + 1 < geometry.reach[i] and filled[i, k + 1] > WET:
+                above[i, k] = z * min(v, filled[i, k + 1])
 
 
 @inner_jit()
-def relax_column(g, i, shear_rate, mu, geometry, law, x, z, upper, right):
+def factorise_columns(inverse, side, above, mu, geometry, rough, hold):
+    """Inverse pivots (nx, nz) of the equations of each column, whose neighbours are given; 0 in dry cells."""
+    for i in range(geometry.first, geometry.last):
+        for k in range(geometry.reach[i]):
+            v = geometry.filled[i, k]
+            if v > WET:
+                below = above[i, k - 1] if k > 0 else 0.0
+                pivot = mu[i, k] * v + hold * bed_hold(geometry, i, k, rough)
+                pivot += side[i, k] + side[i + 1, k] + above[i, k] + below
+                if below > 0.0:
+                    pivot -= below * below * inverse[i, k - 1]
+                inverse[i, k] = 1.0 / pivot
+
+
+@inner_jit()
+def relax_column(g, partial, source, inverse, side, above, i, left, right, rows):
     """Solve the equations of column i with its neighbours as they are; return the largest relative change of g.
 
-    x, z are (A d)^2 over dx^2 and dz^2; `upper`, `right` (nz,) are scratch.
+    `partial` (nz,) is scratch.
     """
-    before, after = beside(i, -1, geometry), beside(i, 1, geometry)
-    filled, reach = geometry.filled, geometry.reach[i]
-    for k in range(reach):  # elimination upwards; a dry cell has no coupling to either side
-        v = filled[i, k]
-        if v <= WET:
-            upper[k] = right[k] = 0.0
-            continue
-        diagonal = mu[i, k] * v + bed_hold(geometry, i, k, law.rough) * z
-        value = shear_rate[i, k] * v
-        for other, face in ((before, i), (after, i + 1)):
-            if other >= 0:
-                strength = x * coupling(geometry, i, k, other, face)
-                diagonal += strength
-                value += strength * g[other, k]
-        below = z * min(v, filled[i, k - 1]) if k > 0 and filled[i, k - 1] > WET else 0.0
-        above = z * min(v, filled[i, k + 1]) if k + 1 < reach and filled[i, k + 1] > WET else 0.0
-        diagonal += below + above
-        if below > 0.0:
-            diagonal -= below * upper[k - 1]
-            value += below * right[k - 1]
-        upper[k] = above / diagonal
-        right[k] = value / diagonal
+    low = 0.0
+    for k in range(rows):
+        value = source[i, k] + low
+        if left >= 0:
+            value += side[i, k] * g[left, k]
+        if right >= 0:
+            value += side[i + 1, k] * g[right, k]
+        partial[k] = value * inverse[i, k]
+        low = above[i, k] * partial[k]
     largest = beyond = 0.0
-    for k in range(reach - 1, -1, -1):
-        beyond = right[k] + upper[k] * beyond
-        if filled[i, k] > WET:
+    for k in range(rows - 1, -1, -1):
+        beyond = partial[k] + above[i, k] * inverse[i, k] * beyond
+        if beyond > 0.0:
             largest = max(largest, abs(beyond - g[i, k]) / beyond)
-            g[i, k] = beyond
+        g[i, k] = beyond
     return largest
 
 
@@ -105,26 +119,31 @@ def relax_fluidity(g, shear_rate, mu, geometry, law, dx, dz):
         Passes that were needed.
     """
     nx, nz = g.shape
-    upper, right = np.empty(nz), np.empty(nz)
-    x, z = (law.length / dx) ** 2, (law.length / dz) ** 2
-    for i in range(nx):
-        for k in range(nz):
-            if geometry.filled[i, k] <= WET:
-                g[i, k] = 0.0
-            elif not g[i, k] > 0.0:
-                g[i, k] = shear_rate[i, k] / mu[i, k]
+    first, last = geometry.first, geometry.last
+    side, above, inverse = np.zeros((nx + 1, nz)), np.zeros((nx, nz)), np.zeros((nx, nz))
+    source, partial = np.zeros((nx, nz)), np.empty(nz)
+    couplings(side, above, geometry, law.length, dx, dz)
+    factorise_columns(inverse, side, above, mu, geometry, law.rough, (law.length / dz) ** 2)
+    for i in range(first, last):
+        for k in range(geometry.reach[i]):
+            if geometry.filled[i, k] > WET:
+                source[i, k] = shear_rate[i, k] * geometry.filled[i, k]
+                if not g[i, k] > 0.0:
+                    g[i, k] = shear_rate[i, k] / mu[i, k]
     passes = 0
-    for _ in range(PASSES):
+    change = math.inf
+    while change > law.tolerance and passes < PASSES:
         change = 0.0
-        for m in range(geometry.last - geometry.first):
-            i = geometry.first + m if passes % 2 == 0 else geometry.last - 1 - m
-            moved = relax_column(g, i, shear_rate, mu, geometry, law, x, z, upper, right)
+        for m in range(last - first):
+            i = first + m if passes % 2 == 0 else last - 1 - m
+            left, right = beside(i, -1, first, last), beside(i, 1, first, last)
+            moved = relax_column(
+                g, partial, source, inverse, side, above, i, left, right, geometry.reach[i]
+            )
             change = max(change, moved)
         passes += 1
-        if change <= law.tolerance:
-            break
-    if geometry.first > 0:
-        repeat_columns(g, geometry.first, geometry.last)
+    if first > 0:
+        repeat_columns(g, first, last)
     return passes
 
 
