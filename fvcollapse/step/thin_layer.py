@@ -19,7 +19,7 @@ side h falls from the height of the side to nothing within a cell; an overhangin
 import math
 from typing import NamedTuple
 
-from .compiled import inner_jit
+from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .rheology import DRUCKER_PRAGER
 from .strain import shear_rate_centre
@@ -72,7 +72,7 @@ def top_of_run(filled, i, low, reach):
     return top, height
 
 
-@inner_jit()
+@kernel_jit()
 def strengthen(
     friction, bed_excess, e_centre, g_node, pressure_filled, geometry, material, law, dz
 ):
