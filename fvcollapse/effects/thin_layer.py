@@ -7,7 +7,8 @@ A uniform layer of thickness h stops below the angle at which
 
 L = `length` grain diameters. The closure "thickness" puts mu_stop(h) under the friction of the grains as its least
 value, the closure "nonlocal" is nonlocal granular fluidity with no fluidity on the bed, from which its mu_stop(h)
-follows. Its A is that for which both closures agree at h = L: A = (2/pi) sqrt((mu_2 - mu_1)/2) `length`. A bed on
+follows. Its A is that for which both closures agree at h = L: A = (2/pi) sqrt((mu_2 - mu_1)/2) `length`; beside
+the effect `nonlocal` it is the A of that effect. A bed on
 which grains slide (finite mu_bed) has mu_stop(h) - mu_1 more friction in either closure.
 
 Discretisation and limits stand in `fvcollapse/step/thin_layer.py` and `fvcollapse/step/nonlocal_fluidity.py`.
@@ -39,15 +40,9 @@ class ThinLayer(Section):
     ] = "thickness"
 
 
-def refuse(case, section):
-    """The law has a friction coefficient, which rises to mu_2 as a layer thins; one fluidity only."""
-    yield from needs_friction(case, "thin_layer")
-    if section.closure == "nonlocal" and getattr(case.effects, "nonlocal") is not None:
-        yield (
-            "effects.thin_layer.closure",
-            '"nonlocal"',
-            '"thickness" beside effects.nonlocal, whose A would be set twice',
-        )
+def without_friction(case, section):
+    """The law has a friction coefficient, which rises as a layer thins."""
+    return needs_friction(case, "thin_layer")
 
 
 EFFECT = Effect(
@@ -66,6 +61,6 @@ EFFECT = Effect(
     },
     absorbed_in=("rheology.mu_1", "rheology.mu_2", "boundary.mu_bed"),
     variants=({"closure": "thickness"}, {"closure": "nonlocal"}),
-    refuse=refuse,
+    refuse=without_friction,
     zero=({"length": 1e-30},),
 )

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
+from .nonlocal_fluidity import nonlocal_length
 from .rheology import DRUCKER_PRAGER
 from .strain import shear_rate_centre
 
@@ -40,8 +41,12 @@ def thin_layer_law(case):
         return ThinLayer(0.0, 0.0, 0.0)
     contrast = rheology.mu_2 - rheology.mu_1
     length = effect.length * rheology.grain_diameter
-    cooperation = 2.0 / math.pi * math.sqrt(0.5 * contrast) * length
-    return ThinLayer(length, contrast, cooperation if effect.closure == "nonlocal" else 0.0)
+    if effect.closure == "thickness":
+        return ThinLayer(length, contrast, 0.0)
+    alike = (
+        2.0 / math.pi * math.sqrt(0.5 * contrast) * length
+    )  # mu_stop as of the other closure at h = L
+    return ThinLayer(length, contrast, nonlocal_length(case) or alike)
 
 
 @inner_jit()

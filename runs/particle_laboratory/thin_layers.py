@@ -1,8 +1,8 @@
 """The references of the particle laboratory, in which nothing is hidden, with and without friction of thin layers.
 
 The length of the effect comes from outside the table, either from a chute, whose layers of 18 diameters stop at 26 deg
-(2.31 diameters), or from the 10 deg control alone: the least length with which its front at rest is met within the
-stated 5 mm and its final thickness within 4.5 mm rms (3.6 diameters on 8 mm cells).
+(2.31 diameters), or from the 10 deg control alone: the least length with which its front at rest is met within
+6 mm and its final thickness within 4.5 mm rms (3.6 diameters on 8 mm cells).
 """
 
 from fvcollapse import load_case, load_experiment, observe

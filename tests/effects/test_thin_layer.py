@@ -69,6 +69,13 @@ def test_both_closures_agree_where_the_layer_is_as_thick_as_the_length():
     assert by_fluidity == pytest.approx(by_thickness)
 
 
+def test_beside_nonlocal_its_length_holds():
+    case = Case().replace(
+        **{"effects.thin_layer": {"closure": "nonlocal"}, "effects.nonlocal": {"A": 0.5}}
+    )
+    assert thin_layer_law(case).cooperation == pytest.approx(0.5 * case.rheology.grain_diameter)
+
+
 def test_a_layer_that_flows_is_that_of_mu_I():
     """Above mu_stop the friction is mu(I), to the last digit of the sweeps."""
     changes = {**BEADS, "geometry__slope_angle_deg": 24.0}
@@ -218,10 +225,6 @@ def test_velocity_of_a_layer_above_a_rough_bed():
         ({"effects.thin_layer": {"closure": "thick"}}, "effects.thin_layer.closure"),
         ({"effects.thin_layer": {}, "rheology.law": "bingham"}, "rheology.law"),
         ({"effects.thin_layer": {}, "numerics.method": "projection"}, "numerics.method"),
-        (
-            {"effects.thin_layer": {"closure": "nonlocal"}, "effects.nonlocal": {"A": 0.5}},
-            "effects.thin_layer.closure",
-        ),
     ],
 )
 def test_what_is_refused(changes, key):
