@@ -8,10 +8,11 @@ A uniform layer of thickness h stops below the angle at which
 L = `length` grain diameters. The closure "thickness" puts mu_stop(h) under the friction of the grains as its least
 value, the closure "nonlocal" is nonlocal granular fluidity with no fluidity on the bed, from which its mu_stop(h)
 follows. Its A is that for which both closures agree at h = L: A = (2/pi) sqrt((mu_2 - mu_1)/2) `length`; beside
-the effect `nonlocal` it is the A of that effect. A bed on
-which grains slide (finite mu_bed) has mu_stop(h) - mu_1 more friction in either closure.
+the effect `nonlocal` it is the A of that effect. A bed on which grains slide (finite mu_bed) has mu_stop(h) - mu_1 more
+friction in either closure; one without friction stays so.
 
-Discretisation and limits stand in `fvcollapse/step/thin_layer.py` and `fvcollapse/step/nonlocal_fluidity.py`.
+Discretisation and limits stand in `fvcollapse/step/thin_layer.py`, `nonlocal_fluidity.py` and
+`fluidity_relaxation.py` beside it.
 
 References
 ----------
