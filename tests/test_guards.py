@@ -14,6 +14,7 @@ from fvcollapse.output.recorder import Landing, Recorder
 from fvcollapse.output.trust import Trust, trust_of
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import guards
+from fvcollapse.step.compiled import from_python
 
 COARSE = {"grid.cell_size": 0.02, "time.end": 0.05, "geometry.channel_width": math.inf}
 

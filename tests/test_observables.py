@@ -208,7 +208,8 @@ def test_row_of_a_column_at_rest():
     assert row["max_thickness"] == pytest.approx(top)
     assert row["front_position"] == pytest.approx(long, abs=0.01)
     assert row["x_99"] == pytest.approx(0.99 * long)
-    assert row["detached_volume"] == row["relative_volume"] == row["max_speed"] == 0.0
+    assert row["relative_volume"] == row["max_speed"] == 0.0
+    assert row["detached_volume"] < 1e-5  # the foot of a front that falls within a cell
     weight = case.rheology.density_bulk * 9.81 * long * top
     assert row["potential_energy"] == pytest.approx(0.5 * weight * top)
     assert row["negative_pressure_cells"] == 0

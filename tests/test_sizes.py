@@ -36,7 +36,6 @@ EXCEPTIONS = {
     ("step/dilatancy.py", "dilate"): "called in every sweep on arrays that no tuple holds",
     ("step/grain_response.py", "respond"): "the one hook of the effects in a sweep",
     ("step/coefficients.py", "answer_beforehand"): "the hook before the first sweep",
-    ("step/assembly.py", "assemble"): "entry from Python with matrix, fields and constants",
     ("step/quantities.py", "fill_quantities"): "five results of one pass",
     ("step/redistancing.py", "slopes"): "ten values of a stencil",
     ("step/lanes.py", "subtract_rows"): "rows of a band by pointer and stride",

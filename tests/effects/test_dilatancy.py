@@ -9,7 +9,8 @@ import pytest
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set
-from fvcollapse.step.dilatancy import Dilatancy, expansion, limit
+from fvcollapse.step.compiled import from_python
+from fvcollapse.step.dilatancy import Dilatancy, carry, expansion, limit
 from fvcollapse.step.domain import allocate
 from fvcollapse.step.geometry import cell_fractions
 from fvcollapse.step.state import FIELDS, State

@@ -23,12 +23,12 @@ def test_steps_are_not_cut_while_the_slot_is_narrow(limit):
     counted = STAGES._replace(solve=lambda *a: tries.append(a) or STAGES.solve(*a))
     simulation = Simulation(case, stages=counted)
     records = []
-    while simulation.state.time < 3.4e-3:
+    while simulation.state.time < 3.0e-3:
         records.append(simulation.advance(limit))
     assert len(tries) == len(records)
     assert any(record.capped for record in records)  # they do stall
     assert min(record.dt for record in records) > 1e-4
-    assert simulation.max_speed() < 0.02
+    assert simulation.max_speed() < 9.81 * simulation.state.time
 
 
 def test_a_change_is_judged_by_the_speed_of_the_solution():
