@@ -92,11 +92,12 @@ class ToyRunner:
     """In the place of `runner.Runner`; counts what was asked for."""
 
     def __init__(self, *_, **__):
-        self.asked, self.computed = set(), set()
+        self.asked, self.computed, self.failed, self.record = set(), set(), set(), {}
 
     def observations(self, wanted):
-        for _, case in wanted.values():
+        for experiment, case in wanted.values():
             self.asked.add(case.to_toml())
+            self.record.setdefault(case.to_toml(), (experiment.name, case))
         self.computed = set(self.asked)
         return {label: collapse(case) for label, (_, case) in wanted.items()}, {}
 

@@ -76,7 +76,7 @@ def execute(arguments):
     from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
     from fvcollapse.diagnosis.report import FILE_NAME
     from fvcollapse.diagnosis.report.page import PAGE
-    from fvcollapse.diagnosis.report.sentences import answer
+    from fvcollapse.diagnosis.report.sentences import answer, headline
 
     effects = arguments.effects
     report = diagnose_all(
@@ -94,8 +94,8 @@ def execute(arguments):
         quiet=arguments.quiet,
         force=arguments.force,
     )
-    for sentence in answer(report):
-        print(textwrap.fill(sentence, 100))
+    for line in (headline(report), *answer(report)):
+        print(textwrap.fill(line, 100, subsequent_indent="  "))
     print()
     ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
     width = max(len(name) for name, _ in ranked)

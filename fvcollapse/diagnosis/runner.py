@@ -25,7 +25,8 @@ class Runner:
     def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
         self.cache = RunCache(ready_folder(folder))
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
-        self.asked, self.computed = set(), set()
+        self.asked, self.computed, self.failed = set(), set(), set()
+        self.record = {}  # place of a run in the cache -> (name of the experiment, case)
 
     def observations(self, wanted):
         """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
@@ -37,8 +38,11 @@ class Runner:
         missing = {place for place in places.values() if not (place / EXTRACT).exists()}
         self.asked |= set(places.values())
         self.computed |= missing
+        for label, place in places.items():
+            self.record.setdefault(place, (wanted[label][0].name, flows[label]))
         runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
         seen, failures = {}, dict(runs.failures)
+        self.failed |= {places[label] for label in failures}
         for label, result in runs.results.items():
             experiment, case = wanted[label]
             view = copy(result)

@@ -279,12 +279,16 @@ def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folder
     assert "the gap of an experiment held out does not shrink" in reasons
 
 
-@pytest.mark.parametrize("lacking", ["nothing", "controls", "values", "effects", "model"])
+@pytest.mark.parametrize(
+    "lacking", ["nothing", "controls", "values", "effects", "model", "fine cells"]
+)
 def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
     layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
     loaded = None if lacking == "model" else layer
     monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda: loaded))
     kind = np.full(20 if lacking == "values" else 200, "value")
     controls = (object(),) if lacking == "controls" else ()
-    analysis = SimpleNamespace(controls=controls, points=SimpleNamespace(kind=kind), evidence=None)
+    question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})
+    points = SimpleNamespace(kind=kind)
+    analysis = SimpleNamespace(controls=controls, points=points, evidence=None, question=question)
     assert module.verdict_model_for(analysis) is (layer if lacking == "nothing" else None)

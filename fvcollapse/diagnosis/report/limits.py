@@ -105,7 +105,7 @@ def model_words(model, evidence):
     if model is None:
         return (
             "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
-            "to these effects, to controls, or to so few measured values."
+            "to these effects, to controls, to so few measured values, or on cells as coarse as these."
         )
     words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "
