@@ -181,7 +181,9 @@ def test_other_verdicts(kind, tmp_path):
     page = written(report, tmp_path)
     assert sentences.headline(report) in page.text
     assert all(line in page.text for line in sentences.answer(report))
-    assert ("Before: model as given; after: " in page.text) == (report.reduction is not None)
+    assert ("By observable, before (model as given) and after" in page.text) == (
+        report.reduction is not None
+    )
 
 
 def test_single_numbers_alone_make_a_page(tmp_path):
