@@ -88,10 +88,7 @@ class Result:
             "trust": self.trust.verdict,
             "trust_reasons": "; ".join(self.trust.reasons),
             "time": float(series["time"][-1]),
-            "runout_10mm": float(series["runout_10mm"][-1]),
-            "runout": float(series["runout"][-1]),
-            "runout_1mm": float(series["runout_1mm"][-1]),
-            "x_99": float(series["x_99"][-1]),
+            **{name: float(series[source][-1]) for name, source in LAST.items()},
             "final_thickness": float(series["max_thickness"][-1]),
             "max_thickness": float(series["max_thickness"].max()),
             "peak_front_velocity": peak,
@@ -174,6 +171,16 @@ def share_of_dissipation(summary, name):
     return 100.0 * summary[name] / total if total > 0.0 else 0.0
 
 
+# of the summary -> series: the runouts are the farthest fronts, the final front is that of the deposit
+LAST = {
+    "runout_10mm": "runout_10mm",
+    "runout": "runout",
+    "final_front": "front_position",
+    "runout_1mm": "runout_1mm",
+    "x_99": "x_99",
+}
+
+
 def summary_rows(summary, case):
     """Name and value, as text, of each line of the summary table."""
     s = summary
@@ -190,7 +197,10 @@ def summary_rows(summary, case):
         ),
         ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
-        (f"runout at {1000 * case.front.thickness:g} mm thickness", f"{s['runout']:.4f} m"),
+        (
+            f"runout at {1000 * case.front.thickness:g} mm thickness",
+            f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end",
+        ),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
         ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
         ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),
