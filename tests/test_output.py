@@ -1,6 +1,7 @@
 """What a run leaves in its folder: names, shapes, units, growth, XDMF, log, summary."""
 
 import io
+import sys
 import xml.etree.ElementTree as xml
 
 import h5py
@@ -11,10 +12,10 @@ from fake_simulation import FakeSimulation, height, length
 import fvcollapse
 from fvcollapse import open_result
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.console.bars import progress_bar
+from fvcollapse.console.bars import phase, progress_bar, runs_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
+from fvcollapse.output import compilation, stored_names
 from fvcollapse.output import run as output
-from fvcollapse.output import stored_names
 
 SERIES = [
     "time",
@@ -266,3 +267,39 @@ def test_progress_bar_only_on_a_terminal(case, monkeypatch):
         text = stream.getvalue()
         assert bool(text) == shown
         assert not shown or ("0.150/0.300 s" in text and "step 3, dt" in text)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("columns", ["80", "0"])
+def test_a_bar_over_runs_names_its_phase(columns, monkeypatch):
+    """Also where the terminal says that it has no columns."""
+    monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    with phase("2/3 models"), runs_bar(4, quiet=False) as bar:
+        bar.update()
+        bar.refresh()
+        assert "2/3 models:" in sys.stderr.getvalue()
+        assert "1/4" in sys.stderr.getvalue()
+    with runs_bar(4, quiet=False) as bar:
+        assert bar.desc == ""
+
+
+@pytest.mark.parametrize(
+    ("compiled", "quiet", "told"), [(False, False, 1), (True, False, 0), (False, True, 0)]
+)
+def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, monkeypatch):
+    monkeypatch.setattr(compilation, "TOLD", [])
+    monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    compilation.tell_compilation(quiet)
+    compilation.tell_compilation(quiet)
+    assert sys.stderr.getvalue().count(compilation.NOTICE) == told
+
+
+def test_kernels_that_have_run_are_compiled(case, tmp_path):
+    output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
+    assert compilation.is_compiled()

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import Case, load_case
+from fvcollapse.console.bars import phase
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.ladder import climb
 from fvcollapse.diagnosis.library import DRAWS
@@ -109,10 +110,13 @@ def diagnose(
     tell([*warnings, *coarse_grid(question)])
     runner = Runner(cache, workers, scheduler, quiet)
     with threadpool_limits(1):  # the matrices are small: two threads take three times as long
-        analysis = analyse(question, runner, effects=effects, draws=draws)
+        with phase("1/3 model as given, ensemble, effects"):
+            analysis = analyse(question, runner, effects=effects, draws=draws)
         analysis, judged, model = judge(analysis)
-        ladder = climb(analysis, runner, *contenders(analysis, judged))
-        following = choices(analysis, judged.probability, runner)
+        with phase("2/3 models with the effect"):
+            ladder = climb(analysis, runner, *contenders(analysis, judged))
+        with phase("3/3 next experiments"):
+            following = choices(analysis, judged.probability, runner)
     cost = cost_of(question, runner, time.perf_counter() - start)
     report = report_of(analysis, judged, ladder, following, cost, model)
     rows = run_rows(runner, question)

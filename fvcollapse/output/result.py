@@ -28,6 +28,16 @@ class Profiles(NamedTuple):
     static_height: np.ndarray
 
 
+# of the summary -> series: the runouts are the farthest fronts, the final front is that of the deposit
+LAST = {
+    "runout_10mm": "runout_10mm",
+    "runout": "runout",
+    "final_front": "front_position",
+    "runout_1mm": "runout_1mm",
+    "x_99": "x_99",
+}
+
+
 class Result:
     """Read-only view of `result.h5`.
 
@@ -171,14 +181,9 @@ def share_of_dissipation(summary, name):
     return 100.0 * summary[name] / total if total > 0.0 else 0.0
 
 
-# of the summary -> series: the runouts are the farthest fronts, the final front is that of the deposit
-LAST = {
-    "runout_10mm": "runout_10mm",
-    "runout": "runout",
-    "final_front": "front_position",
-    "runout_1mm": "runout_1mm",
-    "x_99": "x_99",
-}
+def runout_words(s):
+    """The farthest front, and that of the deposit, which may be nearer where the tip thins."""
+    return f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end"
 
 
 def summary_rows(summary, case):
@@ -197,10 +202,7 @@ def summary_rows(summary, case):
         ),
         ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
-        (
-            f"runout at {1000 * case.front.thickness:g} mm thickness",
-            f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end",
-        ),
+        (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
         ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
         ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),

@@ -24,6 +24,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
+from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
 from fvcollapse.output.run_folder import (
@@ -130,6 +131,7 @@ def run_case(
         log_start(log, case, stored)
         if not_kept():
             tell_once(log, UNCACHED)
+        tell_compilation(quiet)
         with failures_named():
             job = Job(case, stored, simulate)
         keeper = Keeper(job, folder, log, checkpoint_interval)

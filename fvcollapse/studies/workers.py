@@ -27,6 +27,7 @@ from typing import NamedTuple
 from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.pool import ProcessPool
 
@@ -79,6 +80,8 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
     """
     refuse_workers(workers)
     queue, deaths = deque(calls), Counter()
+    if calls:
+        tell_compilation(quiet)
     with runs_bar(len(calls), quiet) as bar:
 
         def end(name, outcome):
