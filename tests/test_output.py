@@ -16,6 +16,7 @@ from fvcollapse.console.bars import phase, progress_bar, runs_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
 from fvcollapse.output import compilation, stored_names
 from fvcollapse.output import run as output
+from fvcollapse.step.geometry import cell_fractions
 
 SERIES = [
     "time",
@@ -236,13 +237,17 @@ def dimensions(element):
     return tuple(int(number) for number in element.get("Dimensions").split())
 
 
-def test_xdmf_velocity_is_the_mean_of_the_faces(folder):
+def test_xdmf_velocity_is_the_mean_of_the_faces_and_zero_outside_of_the_grains(folder):
     field = open_result(folder).field(2)
+    filled = cell_fractions(field["level_set"]) > 0.0
+    assert 0.1 < filled.mean() < 0.9
     with h5py.File(folder / "result.h5") as file:
         velocity, nodes = file["paraview/2/velocity"][:], file["paraview/2/coordinates"][:]
     u, w = field["u"], field["w"]
-    np.testing.assert_allclose(velocity[..., 0], 0.5 * (u[:-1] + u[1:]), rtol=1e-6)
-    np.testing.assert_allclose(velocity[..., 1], 0.5 * (w[:, :-1] + w[:, 1:]), rtol=1e-6)
+    means = 0.5 * (u[:-1] + u[1:]), 0.5 * (w[:, :-1] + w[:, 1:])
+    for component, mean in enumerate(means):
+        np.testing.assert_allclose(velocity[..., component], np.where(filled, mean, 0.0), rtol=1e-6)
+    assert np.abs(means[0][~filled]).max() > 0.0  # the stored field itself is not masked
     np.testing.assert_allclose(nodes[3, 2], [3 * field["dx"], 2 * field["dz"], 0.0], rtol=1e-6)
 
 
