@@ -373,6 +373,8 @@ def test_region_in_words(report):
     assert region_words(region, report) == told
     low = Region(name, "profiles", None, (0.1, 0.3), -0.004, "m", 3.0)
     assert region_words(low, report) == "thickness 0.4 cm too small, X = 10 to 30 cm"
+    narrow = replace(low, x_range=(0.101, 0.104))
+    assert region_words(narrow, report) == "thickness 0.4 cm too small, X = 10 cm"
 
 
 def test_every_effect_of_the_catalogue_has_a_meaning():

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fvcollapse.diagnosis.report.words import CENTIMETRES, number, span
+from fvcollapse.diagnosis.report.words import CENTIMETRES, number
 from fvcollapse.measure.quantities import direction_words, observable_words, shown_gap
 
 
@@ -90,7 +90,9 @@ def composed(region, uncertainty, last, kind):
     if kind != "value":
         text += f" (beyond the {kind} bound)"
     if region.x_range is not None:
-        text += f", X = {span(region.x_range, centimetres)} cm"
+        first, last_place = map(centimetres, region.x_range)
+        place = first if first == last_place else f"{first} to {last_place}"
+        text += f", X = {place} cm"
     if region.t_range is not None:
         text += time_words(*region.t_range, last)
     return text
