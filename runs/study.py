@@ -22,7 +22,8 @@ from fvcollapse.case.case import Case
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.output.result import open_result
 from fvcollapse.output.run_folder import RESULT
-from fvcollapse.studies.cache import RunCache, default_folder
+from fvcollapse.studies.cache import RunCache
+from fvcollapse.studies.cache_folder import default_folder
 from fvcollapse.studies.members import run_member, run_members
 from runs.table import RUNS, read_table, write_table
 

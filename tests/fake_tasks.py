@@ -24,6 +24,12 @@ def threads_and_process(pause):
     return [pool["num_threads"] for pool in threadpool_info()], os.getpid()
 
 
+def process_after(pause):
+    """The process that makes the call, after a pause [s]."""
+    time.sleep(pause)
+    return os.getpid()
+
+
 def fail(kind):
     if kind == "numerical":
         raise NumericalError("the domain is full", "at x = 1 m", 0.5)
@@ -82,6 +88,7 @@ def checkpoint_often():
     from fvcollapse.studies import members
 
     members.run_case = partial(output.run_case, checkpoint_interval=0.3)
+    output.CHECKPOINT_INTERVAL = 0.3
     output.SAVING_SHARE = 1.0
 
 

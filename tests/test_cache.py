@@ -1,5 +1,6 @@
 """The cache of runs: what makes a key, what is kept, and what survives interruption and company."""
 
+import io
 import shutil
 import threading
 from pathlib import Path
@@ -14,12 +15,20 @@ from fvcollapse import observe, open_result
 from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.output import run as output
-from fvcollapse.output.extract import INTERVAL, RESOLUTION, extract_image, kept_rows, open_image
-from fvcollapse.output.result import Profiles
+from fvcollapse.output.extract import (
+    INTERVAL,
+    RESOLUTION,
+    FinishedRun,
+    extract_image,
+    kept_rows,
+    open_image,
+)
+from fvcollapse.output.result import Profiles, Result
 from fvcollapse.output.stored_names import SERIES, STEPS
 from fvcollapse.output.trust import Trust
 from fvcollapse.studies import cache
-from fvcollapse.studies.cache import RunCache, cache_key, default_folder, ready_folder
+from fvcollapse.studies.cache import RunCache, cache_key
+from fvcollapse.studies.cache_folder import default_folder, ready_folder
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
 
@@ -184,7 +193,7 @@ def test_entry_of_another_case_is_made_again_with_a_word(started, tmp_path, caps
     assert len(started) == 2
 
 
-@pytest.mark.parametrize("name", ["series/runout", "profiles/thickness", "steps/dt"])
+@pytest.mark.parametrize("name", ["series/table", "profiles/table", "steps/table", "profiles/x"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_entry_that_is_not_finite_is_made_again_with_a_word(started, tmp_path, capsys, name, value):
     runs = RunCache(tmp_path)
@@ -296,3 +305,46 @@ def test_workers_that_do_not_share_the_folder_are_named(monkeypatch, tmp_path):
     monkeypatch.setattr(cache, "make_extract", lambda *_: None)
     with pytest.raises(InputError, match=r"--scheduler: found workers that do not see"):
         RunCache(tmp_path).run_all({"a": CASE})
+
+
+def files_of_the_work(monkeypatch, tmp_path, error):
+    """Names of the files of a run that an error stops."""
+    monkeypatch.setattr(output, "Simulation", stopped(error))
+    runs = RunCache(tmp_path)
+    with pytest.raises(type(error)):
+        runs.run(CASE)
+    return sorted(path.name for path in (runs.place(CASE) / "run").iterdir())
+
+
+def test_interrupted_run_leaves_its_checkpoint_only(started, monkeypatch, tmp_path):
+    names = files_of_the_work(monkeypatch, tmp_path, KeyboardInterrupt())
+    assert names == ["checkpoint.h5", "run.log"]
+
+
+def test_failed_run_leaves_its_result_as_well(started, monkeypatch, tmp_path):
+    names = files_of_the_work(monkeypatch, tmp_path, NumericalError("no pressure"))
+    assert names == ["checkpoint.h5", "result.h5", "result.xdmf", "run.log"]
+    place = RunCache(tmp_path).place(CASE) / "run"
+    assert open_result(place).status.startswith("failed: no pressure")
+
+
+def test_extract_of_the_record_is_that_of_the_result(started, tmp_path):
+    case = cache.cached_case(CASE)
+    job = output.Job(case)
+    job.march(SimpleNamespace(set_postfix_str=lambda *_, **__: None, update=lambda _: None, n=0.0))
+    result = Result(io.BytesIO(job.result_image("complete")))
+    assert extract_image(FinishedRun.of(job.recorder, case)) == extract_image(result)
+
+
+def test_extract_of_another_form_is_refused(started, tmp_path):
+    runs = RunCache(tmp_path)
+    runs.run(CASE)
+    path = runs.place(CASE) / "extract.h5"
+    with h5py.File(path, "r+") as file:
+        file["series/table"].attrs["names"] = '["runout"]'
+    with pytest.raises(InputError, match="series/table: found .* rows .*; allowed: one name"):
+        open_result(path)
+    with h5py.File(path, "r+") as file:
+        file["series/table"].attrs["names"] = "{"
+    with pytest.raises(InputError, match="no names of its rows"):
+        open_result(path)

@@ -28,7 +28,7 @@ class RememberingRunner(Runner):
         super().__init__(folder, *resources)
         self.remembered = {}
 
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         """See `Runner.observations`."""
         keys = {
             label: (case, experiment.front_thickness, experiment.time_origin)
@@ -37,7 +37,7 @@ class RememberingRunner(Runner):
         missing = {
             label: wanted[label] for label, key in keys.items() if key not in self.remembered
         }
-        seen, failures = super().observations(missing) if missing else ({}, {})
+        seen, failures = super().observations(missing, phase) if missing else ({}, {})
         for label, observations in seen.items():
             self.remembered[keys[label]] = observations
         known = {

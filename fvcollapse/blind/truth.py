@@ -1,6 +1,6 @@
 """The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
 
-import io
+import math
 from functools import partial
 from typing import NamedTuple
 
@@ -12,10 +12,9 @@ from fvcollapse.console.bars import progress_bar
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import as_grid
 from fvcollapse.measure.observables import observe
-from fvcollapse.output.extract import extract_image, open_image
-from fvcollapse.output.result import Result, open_result
+from fvcollapse.output.extract import FinishedRun, extract_image, open_image
+from fvcollapse.output.result import open_result
 from fvcollapse.output.run import Job
-from fvcollapse.output.trust import COMPLETE
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES
 
@@ -46,10 +45,11 @@ class View(NamedTuple):
 def with_forces(forces):
     """The stages of a step in which further forces act on the grains, between advection and the implicit solve."""
 
-    def carry_momentum(simulation, old_level_set, packing, dt):
-        u_star, w_star = STAGES.carry_momentum(simulation, old_level_set, packing, dt)
-        slope = simulation.case.geometry.slope_angle_deg
-        brake(forces, u_star, w_star, dt, simulation.spacing[0], slope)
+    def carry_momentum(flow, packing, dt):
+        u_star, w_star = STAGES.carry_momentum(flow, packing, dt)
+        balance = flow.constants.balance
+        slope = math.degrees(math.atan2(balance.gx, -balance.gz))
+        brake(forces, u_star, w_star, dt, flow.constants.dx, slope)
         return u_star, w_star
 
     return STAGES._replace(carry_momentum=carry_momentum)
@@ -66,7 +66,7 @@ def run_truth(case, forces):
     job = Job(case, simulate=partial(Simulation, stages=stages))
     with progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
-    return open_image(extract_image(Result(io.BytesIO(job.result_image(COMPLETE)))))
+    return open_image(extract_image(FinishedRun.of(job.recorder, case)))
 
 
 def keep_truth(case_text, forces, path):

@@ -32,6 +32,7 @@ from fvcollapse.errors import CaseError
 from fvcollapse.files.trees import ENDLESS_NAME, is_text
 
 GRAVITY = 9.81  # m/s2, fixed
+LONGEST_STEP = 0.02  # of a case that states none, in sqrt(height_0 / g)
 DOMAIN_MAX = (
     100.0  # of height and length of the column: a collapse that stops runs out a tenth of it
 )
@@ -78,7 +79,7 @@ class Case(Section, dict=True):
     @property
     def longest_step(self):
         """Longest time step [s]."""
-        return self.time.step_max or 0.01 * sqrt(self.geometry.height_0 / GRAVITY)
+        return self.time.step_max or LONGEST_STEP * sqrt(self.geometry.height_0 / GRAVITY)
 
     @property
     def domain_max(self):

@@ -184,7 +184,7 @@ class Time(Section):
     ] = ()
     step_max: (
         Annotated[
-            float, key("s", "longest time step; absent = 0.01 sqrt(height_0/g)", ge=1e-7, le=0.1)
+            float, key("s", "longest time step; absent = 0.02 sqrt(height_0/g)", ge=1e-7, le=0.1)
         ]
         | None
     ) = None

@@ -8,13 +8,10 @@ complains when the process of the bar is killed.
 import shutil
 import sys
 import threading
-from contextlib import contextmanager
-from contextvars import ContextVar
 
 from tqdm import tqdm
 
 tqdm.set_lock(threading.RLock())
-PHASE = ContextVar("phase", default="")  # what the runs are for
 
 
 def progress_bar(case, start, quiet):
@@ -34,24 +31,13 @@ def progress_bar(case, start, quiet):
 
 
 def runs_bar(total, quiet):
-    """Bar over the runs, with ETA and the name of the `phase`, on stderr."""
+    """Bar over the runs, with ETA, on stderr."""
     terminal = shutil.get_terminal_size()
     return tqdm(
         total=total,
-        desc=PHASE.get() or None,
         unit="run",
         file=sys.stderr,
         disable=quiet or not sys.stderr.isatty(),
         ncols=terminal.columns,
         nrows=terminal.lines,
     )
-
-
-@contextmanager
-def phase(name):
-    """Let bars over runs begin with a name."""
-    token = PHASE.set(name)
-    try:
-        yield
-    finally:
-        PHASE.reset(token)

@@ -4,7 +4,7 @@ With controls, experiments in which nothing is hidden, all gaps are judged after
 their expected discrepancy is subtracted, its covariance is part of U.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -167,7 +167,7 @@ def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEME
         if not wanted:
             break
         library = add_levels(library, wanted, runner)
-        analysis = compare_library(question, library)
+        analysis = compare_again(analysis, library)
     return analysis
 
 
@@ -248,25 +248,45 @@ def compare_library(question, library):
     own = slice(0, len(points))
     known = discount(question, library, uncertainty)
     compared = library.fine[own] - known.shift
-    kernel, expected = uncertainty.kernel[own, own], uncertainty.expected[own]
-    responses = responses_on(library.responses, own)
-    comparison = ModelComparison(known.covariance, kernel, responses, points)
-    evidence = comparison.evidence(compared + expected - points.measured)
-    balance = mass_balance(question.experiments, library.cases)
     rng = np.random.default_rng([question.seed, 1])
-    return Analysis(
-        question=question,
-        library=library,
-        measurement=uncertainty.measurement[own, own],
-        numerical=uncertainty.numerical[own, own],
-        calibration=uncertainty.calibration[own, own],
-        kernel=kernel,
-        expected=expected,
+    parts = {
+        "measurement": uncertainty.measurement[own, own],
+        "numerical": uncertainty.numerical[own, own],
+        "calibration": uncertainty.calibration[own, own],
+        "kernel": uncertainty.kernel[own, own],
+        "expected": uncertainty.expected[own],
         **known._asdict(),
-        gap_map=gap_map(points, compared, known.covariance, rng),
-        comparison=comparison,
-        evidence=replace(evidence, balance=balance),
-    )
+        "gap_map": gap_map(points, compared, known.covariance, rng),
+    }
+    balance = mass_balance(question.experiments, library.cases)
+    return Analysis(question, library, **parts, **evidence_on(library, parts, points, balance))
+
+
+def compare_again(analysis, library):
+    """The `Analysis` after further levels: the responses differ, and what follows from them; nothing else does."""
+    parts, balance = vars(analysis), analysis.evidence.balance
+    parts = {field.name: parts[field.name] for field in fields(analysis)}
+    changed = evidence_on(library, parts, analysis.points, balance)
+    return Analysis(**parts | {"library": library} | changed)
+
+
+def evidence_on(library, parts, points, balance):
+    """{"comparison", "evidence"} of the responses of a library.
+
+    Parameters
+    ----------
+    library : Library
+    parts : dict
+        Attributes of an `Analysis`.
+    points : Points
+        Of the experiments.
+    balance : MassBalance or None
+    """
+    responses = responses_on(library.responses, slice(0, len(points)))
+    comparison = ModelComparison(parts["covariance"], parts["kernel"], responses, points)
+    compared = library.fine[: len(points)] - parts["shift"]
+    evidence = comparison.evidence(compared + parts["expected"] - points.measured)
+    return {"comparison": comparison, "evidence": replace(evidence, balance=balance)}
 
 
 def responses_on(responses, rows):

@@ -102,24 +102,26 @@ def learn(points, given, gap, covariance, kernel, apart):
     apart : (N, N) array
         Distance D of the runs of two points.
     """
-    observable, run = points.observable, points.experiment
+    observable, (_, first, run) = points.observable, np.unique(points.experiment, True, True)
     names = np.unique(observable[given]).tolist()
     own = np.ix_(given, given)
-    seen, known = gap[given], covariance[own]
-    same_run = run[:, None] == run
+    seen, known, among = gap[given], covariance[own], kernel[own]
+    between_runs = apart[np.ix_(first, first)]
 
-    def scaled(parameters):
-        """S K S and the factors."""
+    def scaled(parameters, rows, kernel):
+        """Factors, rho, and S K S of some points."""
         factors = dict(zip(names, np.exp(parameters[:-1]).tolist(), strict=True))
         low, high = CORRELATIONS
         rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
-        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable])
-        between = np.where(same_run, 1.0, REPEATED * rho**apart / BETWEEN_RUNS)
+        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable[rows]])
+        shared = REPEATED * rho**between_runs / BETWEEN_RUNS
+        np.fill_diagonal(shared, 1.0)
+        between = shared[np.ix_(run[rows], run[rows])]
         return factors, rho, between * kernel * np.outer(factor, factor)
 
     def cost(parameters):
         """Minus the logarithm of likelihood and prior."""
-        total = known + scaled(parameters)[2][own]
+        total = known + scaled(parameters, given, among)[2]
         try:
             factor = cho_factor(total, lower=True, check_finite=False)
         except LinAlgError:
@@ -129,11 +131,11 @@ def learn(points, given, gap, covariance, kernel, apart):
         shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
         return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
 
-    start = np.append(np.log(first_factors(names, observable[given], seen, kernel[own])), 0.0)
+    start = np.append(np.log(first_factors(names, observable[given], seen, among)), 0.0)
     simplex = np.vstack([start, start + FIRST_STEP * np.eye(len(start))])
     options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02}
     best = minimize(cost, start, method="Nelder-Mead", options=options)
-    return Discrepancy(*scaled(best.x))
+    return Discrepancy(*scaled(best.x, slice(None), kernel))
 
 
 def first_factors(names, observable, gap, kernel):

@@ -6,6 +6,7 @@ the effect to the solver, `choices` plans the next experiment, `report_of` write
 
 import dataclasses
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from msgspec.structs import replace
 from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import Case, load_case
-from fvcollapse.console.bars import phase
+from fvcollapse.console.rounds_bar import RoundsBar
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.ladder import climb
 from fvcollapse.diagnosis.library import DRAWS
@@ -21,15 +22,17 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
 from fvcollapse.diagnosis.oddities import coarse_grid, oddities_of, tell
+from fvcollapse.diagnosis.progress import expected_costs
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.record import recorded
 from fvcollapse.diagnosis.report.findings import report_of
 from fvcollapse.diagnosis.report.made import made
 from fvcollapse.diagnosis.report.page import FIGURES, NEXT_CASE, PAGE, write_page
+from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, write_report
 from fvcollapse.diagnosis.report.run_table import RUNS_FILE, run_groups, run_rows, write_runs
 from fvcollapse.diagnosis.report.schema import Cost
-from fvcollapse.diagnosis.runner import Runner
+from fvcollapse.diagnosis.runner import StandingRunner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
@@ -37,6 +40,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
 from fvcollapse.output.question import claim_folder
+from fvcollapse.studies.standing import StandingWorkers
 from fvcollapse.studies.workers import refuse_workers
 
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
@@ -108,25 +112,28 @@ def diagnose(
         make_folder(folder, FILE_NAME, PAGE, RUNS_FILE, NEXT_CASE)
         make_folder(Path(folder) / FIGURES)
     tell([*warnings, *coarse_grid(question)])
-    runner = Runner(cache, workers, scheduler, quiet)
-    with threadpool_limits(1):  # the matrices are small: two threads take three times as long
-        with phase("1/3 model as given, ensemble, effects"):
-            analysis = analyse(question, runner, effects=effects, draws=draws)
+    with (
+        StandingWorkers(workers, scheduler) as standing,
+        closing(RoundsBar(expected_costs(question), quiet)) as bar,
+        threadpool_limits(1),  # the matrices are small: two threads take three times as long
+    ):
+        runner = StandingRunner(cache, standing, bar)
+        painter = None if folder is None else Painter(standing)
+        analysis = analyse(question, runner, effects=effects, draws=draws)
         analysis, judged, model = judge(analysis)
-        with phase("2/3 models with the effect"):
-            ladder = climb(analysis, runner, *contenders(analysis, judged))
-        with phase("3/3 next experiments"):
-            following = choices(analysis, judged.probability, runner)
-    cost = cost_of(question, runner, time.perf_counter() - start)
-    report = report_of(analysis, judged, ladder, following, cost, model)
-    rows = run_rows(runner, question)
-    origin = made(question, case, effects, folder)
-    details = replace(report.details, runs=run_groups(rows), made=origin)
-    report = replace(report, warnings=warnings, details=details)
-    return report if folder is None else written(report, rows, folder)
+        ladder = climb(analysis, runner, *contenders(analysis, judged))
+        following = choices(analysis, judged.probability, runner)
+        bar.close()
+        cost = cost_of(question, runner, time.perf_counter() - start)
+        report = report_of(analysis, judged, ladder, following, cost, model)
+        rows = run_rows(runner, question)
+        origin = made(question, case, effects, folder)
+        details = replace(report.details, runs=run_groups(rows), made=origin)
+        report = replace(report, warnings=warnings, details=details)
+        return report if folder is None else written(report, rows, folder, painter.draw)
 
 
-def written(report, rows, folder):
+def written(report, rows, folder, draw=None):
     """The report as it stands in its folder, with its page, its runs and the case of the next experiment.
 
     Parameters
@@ -134,6 +141,8 @@ def written(report, rows, folder):
     report : Report
     rows : list of RunRow
     folder : str or Path
+    draw : function, optional
+        See `figures.pictures`.
 
     Raises
     ------
@@ -146,7 +155,7 @@ def written(report, rows, folder):
         following.unlink(missing_ok=True)  # of an earlier answer to the same question
     else:
         write_atomic(following, report.next_experiment.case.encode())
-    write_page(report, folder)
+    write_page(report, folder, draw)
     return report
 
 

@@ -21,9 +21,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from fvcollapse.diagnosis.likelihood import ResponseColumns, Whitened, joined, response_at
+from fvcollapse.diagnosis.log_sums import log_sum_exp
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.quadrature import (
@@ -146,7 +146,7 @@ class ModelComparison:
             for name, own in self.runs.items():
                 for part in np.unique(phase[own]):
                     self.phases[name, str(part)] = own & (phase == part)
-        self.closures, columns, count = {}, [], 0
+        self.closures, self.stacks, columns, count = {}, {}, [], 0
         for name, given in responses.items():
             given = given if isinstance(given, list | tuple) else (given,)
             self.closures[name] = []
@@ -178,12 +178,21 @@ class ModelComparison:
         hypotheses.sort(key=lambda each: -(each.log_evidence + each.log_prior))
         return Evidence({each.name: each for each in hypotheses})
 
+    def best_name(self, gap):
+        """Name of the hypothesis of the largest evidence of a gap (N,), pairs left out."""
+        seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
+        logs = {
+            name: log_evidence_without(seen, sigmas)[0]
+            for name, sigmas in ((NONE, DISCREPANCIES), (UNKNOWN, UNKNOWN_DISCREPANCIES))
+        }
+        for name, closures in self.closures.items():
+            parts = [integrate(seen, closure, (0.0, 1.0)).log_evidence for closure in closures]
+            logs[name] = float(log_sum_exp(np.array(parts)) - np.log(len(closures)))
+        return max(logs, key=logs.get)
+
     def without_effect(self, gap, seen, name, sigmas):
         """The hypothesis that no effect acts."""
-        logs = np.array([seen[sigma].log_likelihood() for sigma in sigmas])
-        log_weights = sigma_weights(sigmas)
-        total = float(logsumexp(logs + log_weights))
-        sigma = float(sigmas[np.argmax(logs + log_weights)])
+        total, sigma = log_evidence_without(seen, sigmas)
         nothing, difference = np.empty(0), np.zeros(len(gap))
         checks = self.checks(gap, seen[sigma], difference, None)
         return Hypothesis(
@@ -205,7 +214,10 @@ class ModelComparison:
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)
         share = np.log(len(closures))
-        log_evidence, log_wide = float(logsumexp(logs) - share), float(logsumexp(wide) - share)
+        log_evidence, log_wide = (
+            float(log_sum_exp(logs) - share),
+            float(log_sum_exp(np.array(wide)) - share),
+        )
         return Hypothesis(
             *(name, log_evidence, log_wide, log_prior, sigma, closure.variant, u, low, high),
             *(*checks, difference),
@@ -220,3 +232,9 @@ class ModelComparison:
         by_run = {name: check(counted & own) for name, own in self.runs.items()}
         by_phase = {key: check(counted & own) for key, own in self.phases.items()}
         return check(counted), by_run, by_phase, seen.outside(difference)
+
+
+def log_evidence_without(seen, sigmas):
+    """(ln p(D) without an effect, most probable s) of a gap that each C(s) has seen."""
+    logs = np.array([seen[sigma].log_likelihood() for sigma in sigmas]) + sigma_weights(sigmas)
+    return float(log_sum_exp(logs)), float(sigmas[np.argmax(logs)])

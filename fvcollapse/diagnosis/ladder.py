@@ -15,6 +15,7 @@ from fvcollapse.diagnosis.baseline import REFINEMENT
 from fvcollapse.diagnosis.closing import Group, one_fraction, with_simulated
 from fvcollapse.diagnosis.covariance import measurement_covariance, numerical_covariance
 from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
+from fvcollapse.diagnosis.progress import MODELS
 from fvcollapse.diagnosis.reading import Reading
 from fvcollapse.diagnosis.recalibration import Recalibration, Refit
 from fvcollapse.errors import CaseError
@@ -75,7 +76,7 @@ def climb(analysis, runner, winner=None, runner_up=None):
         del fits[model], names[model]
     folds = folds_of(question)
     left_out, impossible = fold_runs(problem, names, folds)
-    seen, failures = runner.observations(wanted | left_out)
+    seen, failures = runner.observations(wanted | left_out, MODELS)
     failures = failures | impossible
     reading = Reading(analysis.points, seen, failures)
     return Ladder(

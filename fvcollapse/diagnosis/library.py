@@ -19,6 +19,7 @@ from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.levels import acts_in, applicable_effects, closures_of, effect_runs
 from fvcollapse.diagnosis.nuisances import CALIBRATED, draw, ensemble_runs, nuisances, realised
 from fvcollapse.diagnosis.points import Points
+from fvcollapse.diagnosis.progress import FURTHER, LIBRARY
 from fvcollapse.diagnosis.reading import Reading, measured_responses
 
 DRAWS = 20  # of the ensemble
@@ -106,7 +107,8 @@ def build_library(question, runner, effects=None, draws=DRAWS):
     z = draw(quantities, draws, question.seed)
     drawn, undrawn = ensemble_runs(simulated, cases, quantities, z)
     levels, impossible = effect_runs(closures, question.experiments, cases)
-    seen, failures = runner.observations(baseline_runs(simulated, cases) | drawn | levels)
+    wanted = baseline_runs(simulated, cases) | drawn | levels
+    seen, failures = runner.observations(wanted, LIBRARY)
     reading = Reading(question.all_points, seen, failures | undrawn)
     samples, complete = reading.ensemble(draws)
     possible = {name: closures[name] for name in closures if name not in impossible}
@@ -153,7 +155,7 @@ def add_levels(library, wanted, runner):
         Effect, number of the closure, and quantiles of its parameters.
     runner : Runner
     """
-    reading = Reading(library.points, *runner.observations(further_runs(library, wanted)))
+    reading = Reading(library.points, *runner.observations(further_runs(library, wanted), FURTHER))
     responses = dict(library.responses)
     for effect, number, u in wanted:
         labels = [((effect, number), 0, experiment.name) for experiment in library.experiments]

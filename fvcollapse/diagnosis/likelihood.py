@@ -39,6 +39,7 @@ class Whitened:
         self.bound_columns = comparison.columns[bounds]
         self.bound_covariance = self.full[np.ix_(bounds, bounds)] - self.coupling @ self.coupling.T
         self.span, self.factors = None, {}
+        self.stacks = comparison.stacks
 
     def solve(self, columns):
         """Inverse Cholesky factor times columns."""
@@ -97,55 +98,17 @@ class Seen:
         self.gap = whitened.solve(gap[whitened.values])
         self.bound_gap = gap[whitened.bounds]
         self.square = float(self.gap @ self.gap)
+        self.constant = len(self.gap) * np.log(2.0 * np.pi) + whitened.log_determinant
         self.projections = whitened.columns.T @ self.gap
 
     def log_likelihood(self):
         """Log-likelihood without an effect."""
         own = self.whitened
-        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
         expected = own.coupling @ self.gap
         beyond = own.side * (expected - self.bound_gap)
-        return -0.5 * (self.square + constant) + float(
+        return -0.5 * (self.square + self.constant) + float(
             log_probability_positive(beyond[None], own.bound_covariance[None], own.side)[0]
         )
-
-    def log_likelihood_with(self, closure, weights, variance):
-        """Log-likelihood with an effect, (q,).
-
-        Parameters
-        ----------
-        closure : ResponseColumns
-        weights : (q, n) array
-            Of the levels at the q nodes.
-        variance : (q,) array
-            Factor of the squared errors of the emulator there.
-        """
-        own, levels, errors = self.whitened, closure.levels, closure.errors
-        square = self.square + 2.0 * (weights @ self.projections[levels])
-        square += ((weights @ own.products[np.ix_(levels, levels)]) * weights).sum(1)
-        # errors = latent amplitudes of variance `variance`: Sherman-Morrison-Woodbury in their eigenbasis
-        size, turn = np.linalg.eigh(own.products[np.ix_(errors, errors)])
-        size = np.maximum(size, 0.0)
-        met = self.projections[errors] + weights @ own.products[np.ix_(levels, errors)]
-        met = met @ turn
-        growth = 1.0 + variance[:, None] * size
-        shrunk = variance[:, None] / growth
-        square -= (met**2 * shrunk).sum(1)
-        constant = len(self.gap) * np.log(2.0 * np.pi) + own.log_determinant
-        log_values = -0.5 * (square + constant + np.log(growth).sum(1))
-        if len(own.bounds) == 0:
-            return log_values
-        # the bounds, given the values: mean and covariance of what they miss
-        error_columns = own.columns[:, errors] @ turn
-        own_errors = own.bound_columns[:, errors] @ turn - own.coupling @ error_columns
-        residual = self.bound_gap + weights @ own.bound_columns[:, levels].T
-        expected = own.coupling @ self.gap + weights @ (own.coupling @ own.columns[:, levels]).T
-        expected = expected + (met * shrunk) @ own_errors.T
-        products = own_errors.T[:, :, None] * own_errors.T[:, None, :]
-        spread = np.tensordot(shrunk, products, 1)
-        spread += own.bound_covariance
-        beyond = own.side * (expected - residual)
-        return log_values + log_probability_positive(beyond, spread, own.side)
 
     def outside(self, difference):
         """Mean square of the whitened residual outside the span of all responses."""

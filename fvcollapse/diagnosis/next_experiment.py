@@ -33,6 +33,7 @@ from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.next_candidates import Candidate, candidates, set_up
 from fvcollapse.diagnosis.nuisances import with_nuisances
 from fvcollapse.diagnosis.point_choice import choose_points
+from fvcollapse.diagnosis.progress import NEXT
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.align import align_curve
 from fvcollapse.measure.curves import Curve
@@ -98,7 +99,7 @@ def choices(analysis, probability, runner):
         for name in hypotheses:
             if all(acts_in(part, case) for part in effects_of(name)):
                 wanted[number, name] = (experiment, with_hypothesis(case, analysis, name))
-    seen, _ = runner.observations(wanted)
+    seen, _ = runner.observations(wanted, NEXT)
     found = []
     for number, candidate in enumerate(planned):
         own = {label: each for (n, label), each in seen.items() if n == number}
@@ -256,14 +257,14 @@ def expected_gain(white, chance, rng):
     outcome = place[truth] + rng.standard_normal((DRAWS, place.shape[1]))
     logs = np.log(chance) - 0.5 * ((outcome[:, None] - place) ** 2).sum(axis=2)
     after = np.exp(logs - logsumexp(logs, axis=1, keepdims=True))
-    drop = entropy(chance) - np.mean([entropy(row) for row in after])
+    drop = entropy(chance) - entropy(after).mean()
     return max(0.0, float(drop))
 
 
 def entropy(chance):
-    """Entropy of probabilities [bit]."""
-    inside = chance[chance > 0.0]
-    return float(-(inside * np.log2(inside)).sum())
+    """Entropy of probabilities along the last axis [bit]."""
+    logs = np.log2(chance, out=np.zeros_like(chance), where=chance > 0.0)
+    return -(chance * logs).sum(axis=-1)
 
 
 def repeats(difference, measurement, shared):

@@ -10,7 +10,8 @@ from fvcollapse.diagnosis.next_candidates import candidates
 from fvcollapse.diagnosis.next_experiment import MOST_HYPOTHESES
 from fvcollapse.diagnosis.nuisances import draw, ensemble_runs, nuisances
 from fvcollapse.measure.observation import flow_case
-from fvcollapse.studies.cache import EXTRACT, RunCache, default_folder
+from fvcollapse.studies.cache import EXTRACT, RunCache
+from fvcollapse.studies.cache_folder import default_folder
 from fvcollapse.studies.estimate import Plan, plan_of
 
 

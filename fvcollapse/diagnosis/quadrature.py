@@ -3,14 +3,16 @@
 p(D | k) = sum_s w_s  integral over [0, 1]^d of  N(gap + Delta_k(u); 0, C_k(s, u)) du
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky
-from scipy.special import logsumexp
-from scipy.stats import chi2, multivariate_t, norm, qmc
+from scipy.linalg import cholesky, solve_triangular
+from scipy.special import chdtri, gammaln, ndtri
+from scipy.stats import qmc
 
-from fvcollapse.diagnosis.likelihood import level_weights
+from fvcollapse.diagnosis.log_sums import log_sum_exp
+from fvcollapse.diagnosis.node_likelihood import stack_of
 
 DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
 UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
@@ -37,17 +39,17 @@ class Posterior(NamedTuple):
     @classmethod
     def of(cls, nodes, log_likelihood, log_ratio):
         """With the evidence, the mean of likelihood x prior / density."""
-        terms = logsumexp(log_likelihood, axis=1) + log_ratio
-        return cls(float(logsumexp(terms) - np.log(len(terms))), nodes, log_likelihood, log_ratio)
+        terms = log_sum_exp(log_likelihood, axis=1) + log_ratio
+        return cls(float(log_sum_exp(terms) - np.log(len(terms))), nodes, log_likelihood, log_ratio)
 
     def log_weights(self):
         """Logarithms of the posterior weights of the nodes, (q,); they sum to one."""
-        terms = logsumexp(self.log_likelihood, axis=1) + self.log_ratio
-        return terms - logsumexp(terms)
+        terms = log_sum_exp(self.log_likelihood, axis=1) + self.log_ratio
+        return terms - log_sum_exp(terms)
 
     def effective(self):
         """Effective number of nodes."""
-        return float(np.exp(-logsumexp(2.0 * self.log_weights())))
+        return float(np.exp(-log_sum_exp(2.0 * self.log_weights())))
 
 
 def sigma_weights(sigmas):
@@ -69,9 +71,10 @@ def integrate(seen, closure, limits, temperature=1.0):
     """
     d = sum(response.dimension for response in closure.responses)
     low, high = np.full(d, limits[0]), np.full(d, limits[1])
-    log_share, unit = 0.0, unit_nodes(d)
-    for _ in range(ROUNDS):
-        nodes = low + unit * (high - low)
+    log_share, nodes = 0.0, first_nodes(d, *limits)
+    for number in range(ROUNDS):
+        if number:
+            nodes = low + unit_nodes(d) * (high - low)
         posterior = Posterior.of(
             nodes, likelihood(seen, closure, nodes, temperature), np.full(len(nodes), log_share)
         )
@@ -79,7 +82,7 @@ def integrate(seen, closure, limits, temperature=1.0):
             return posterior
         weights = posterior.log_weights()
         inside = nodes[weights > weights.max() - NEGLIGIBLE]
-        margin = 2.0 * (high - low) / len(unit) ** (1.0 / d)
+        margin = 2.0 * (high - low) / len(nodes) ** (1.0 / d)
         new_low = np.maximum(low, inside.min(axis=0) - margin)
         new_high = np.minimum(high, inside.max(axis=0) + margin)
         shrunk = np.log((new_high - new_low) / (high - low)).sum()
@@ -96,17 +99,16 @@ def along_ridge(seen, closure, limits, posterior, temperature):
     One node in ten is spread over the whole prior, so that no weight is large without reason.
     """
     d = posterior.nodes.shape[1]
-    unit = qmc.Sobol(d + 1, seed=0).random(NODES_SOBOL)
-    spread = np.sqrt(RIDGE_TAILS / chi2.ppf(unit[:, -1], RIDGE_TAILS))
-    steps = norm.ppf(unit[:, :-1]) * spread[:, None]
+    unit, steps = ridge_nodes(d)
     everywhere = np.arange(len(unit)) % 10 == 0
     log_prior = -d * np.log(limits[1] - limits[0])
     for _ in range(ROUNDS):
         centre, covariance = tempered_moments(posterior, 10 * d)
-        nodes = centre + steps @ cholesky(covariance, lower=True).T
-        nodes[everywhere] = limits[0] + unit[everywhere, :-1] * (limits[1] - limits[0])
+        factor = cholesky(covariance, lower=True)
+        nodes = centre + steps @ factor.T
+        nodes[everywhere] = limits[0] + unit[everywhere] * (limits[1] - limits[0])
         inside = ((nodes > limits[0]) & (nodes < limits[1])).all(axis=1)
-        fitted = multivariate_t.logpdf(nodes, centre, covariance, RIDGE_TAILS)
+        fitted = log_density_t(nodes - centre, factor)
         density = np.logaddexp(np.log(0.9) + fitted, np.log(0.1) + log_prior)
         log_likelihood = np.full((len(nodes), len(DISCREPANCIES)), -np.inf)
         log_likelihood[inside] = likelihood(seen, closure, nodes[inside], temperature)
@@ -121,7 +123,7 @@ def tempered_moments(posterior, count):
     logs = posterior.log_weights()
     power = 1.0
     while power > 1.0e-4:
-        weights = np.exp(power * logs - logsumexp(power * logs))
+        weights = np.exp(power * logs - log_sum_exp(power * logs))
         if 1.0 / (weights**2).sum() >= count:
             break
         power *= 0.7
@@ -133,11 +135,40 @@ def tempered_moments(posterior, count):
 
 def likelihood(seen, closure, nodes, temperature=1.0):
     """Log-likelihood / temperature, x weight of s, (q, number of s)."""
-    weights, variance = level_weights(closure, nodes)
-    parts = [seen[s].log_likelihood_with(closure, weights, variance) for s in DISCREPANCIES]
-    return np.column_stack(parts) / temperature + sigma_weights(DISCREPANCIES)
+    own = [seen[sigma] for sigma in DISCREPANCIES]
+    log_values = stack_of(own, closure).log_likelihood(own, nodes)
+    return log_values / temperature + sigma_weights(DISCREPANCIES)
 
 
+def log_density_t(apart, factor):
+    """Logarithm of the density of the t distribution of `RIDGE_TAILS` at distances (q, d) from its centre, (q,).
+
+    `factor` (d, d) is the lower Cholesky factor of its scale.
+    """
+    d = len(factor)
+    square = (solve_triangular(factor, apart.T, lower=True) ** 2).sum(axis=0)
+    constant = gammaln(0.5 * (RIDGE_TAILS + d)) - gammaln(0.5 * RIDGE_TAILS)
+    constant -= 0.5 * d * np.log(RIDGE_TAILS * np.pi) + np.log(np.diag(factor)).sum()
+    return constant - 0.5 * (RIDGE_TAILS + d) * np.log1p(square / RIDGE_TAILS)
+
+
+@cache
+def ridge_nodes(d):
+    """Quasi-random numbers in [0, 1]^d, and steps of a t distribution of unit scale, (q, d) each."""
+    unit = qmc.Sobol(d + 1, seed=0).random(NODES_SOBOL)
+    spread = np.sqrt(RIDGE_TAILS / chdtri(RIDGE_TAILS, 1.0 - unit[:, -1]))
+    return unit[:, :-1], ndtri(unit[:, :-1]) * spread[:, None]
+
+
+@cache
+def first_nodes(d, low, high):
+    """Nodes (q, d) over the whole prior, the same array at every call; it cannot be written to."""
+    nodes = low + unit_nodes(d) * (high - low)
+    nodes.flags.writeable = False
+    return nodes
+
+
+@cache
 def unit_nodes(d):
     """Nodes of the quadrature on [0, 1]^d, (q, d)."""
     if d in NODES:

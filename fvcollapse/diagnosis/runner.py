@@ -4,11 +4,27 @@ An effect that changes the observation and not the flow is read off the run with
 """
 
 from copy import copy
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
+from fvcollapse.case.case import Case
+from fvcollapse.diagnosis.progress import cost_of_run
 from fvcollapse.errors import NumericalError, failures_named
 from fvcollapse.measure.observables import observe
 from fvcollapse.measure.observation import flow_case
-from fvcollapse.studies.cache import EXTRACT, RunCache, ready_folder
+from fvcollapse.output.compilation import tell_compilation
+from fvcollapse.studies.cache import RunCache, entry
+from fvcollapse.studies.cache_folder import ready_folder
+from fvcollapse.studies.workers import run_all
+
+
+class RunRecord(NamedTuple):
+    """A run that was asked for: the name of its experiment, its `Case`, and its folder in the cache."""
+
+    experiment: str
+    case: Case
+    folder: Path
 
 
 class Runner:
@@ -20,29 +36,35 @@ class Runner:
         Of the cache of runs; default that of the user.
     workers, scheduler, quiet
         See `workers.run_all`.
+
+    Attributes
+    ----------
+    asked, computed, failed : set of str
+        Keys of the runs in the cache: of all, of those that were not at hand, of those that failed.
+    record : dict
+        Key -> `RunRecord`, in the order in which they were asked for.
     """
 
     def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
         self.cache = RunCache(ready_folder(folder))
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
         self.asked, self.computed, self.failed = set(), set(), set()
-        self.record = {}  # place of a run in the cache -> (name of the experiment, case)
+        self.record = {}
 
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
 
-        The costly ones first.
+        The costly ones first. `phase` is the word of the progress bar for these runs.
         """
         flows = {label: flow_case(case) for label, (_, case) in wanted.items()}
-        places = {label: self.cache.place(case) for label, case in flows.items()}
-        missing = {place for place in places.values() if not (place / EXTRACT).exists()}
-        self.asked |= set(places.values())
-        self.computed |= missing
-        for label, place in places.items():
-            self.record.setdefault(place, (wanted[label][0].name, flows[label]))
-        runs = self.cache.run_all(flows, self.workers, self.scheduler, self.quiet)
+        runs = self.cache.run_by(partial(self.make_calls, phase, flows), flows)
+        self.asked |= set(runs.keys.values())
+        self.computed |= runs.computed
+        self.failed |= {runs.keys[label] for label in runs.failures}
+        for label, key in runs.keys.items():
+            place = entry(Path(self.cache.folder), key)
+            self.record.setdefault(key, RunRecord(wanted[label][0].name, flows[label], place))
         seen, failures = {}, dict(runs.failures)
-        self.failed |= {places[label] for label in failures}
         for label, result in runs.results.items():
             experiment, case = wanted[label]
             view = copy(result)
@@ -53,3 +75,37 @@ class Runner:
             except NumericalError as error:
                 failures[label] = error
         return seen, failures
+
+    def make_calls(self, phase, flows, task, calls, finished):
+        """Make the calls that the cache needs; see `workers.run_all`."""
+        run_all(task, calls, finished, self.workers, self.scheduler, self.quiet)
+
+
+class StandingRunner(Runner):
+    """A `Runner` whose workers stay from one call to the next, with one bar over all of them.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        See `Runner`.
+    workers : StandingWorkers
+    bar : RoundsBar
+    """
+
+    def __init__(self, folder, workers, bar):
+        super().__init__(folder)
+        self.standing, self.bar = workers, bar
+
+    def make_calls(self, phase, flows, task, calls, finished):
+        """See `Runner.make_calls`."""
+        if calls and self.standing.scheduler is None:
+            tell_compilation(self.bar.off)
+        costs = {key: cost_of_run(case) for key, (case, *_) in calls.items()}
+        self.bar.begin(phase, [*costs.values()], sum(map(cost_of_run, flows.values())))
+
+        def end(key, outcome):
+            """Count a run that has ended."""
+            self.bar.end_run(costs[key])
+            finished(key, outcome)
+
+        self.standing.run_all(task, calls, end)

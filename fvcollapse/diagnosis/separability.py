@@ -127,7 +127,7 @@ def null_test(samples, mean, comparison, measurement, rng):
     wins = {}
     for sample in samples:
         noise = factor @ rng.standard_normal(len(mean))
-        winner = comparison.evidence(-OFF_BY * (sample - mean) - noise, pairs=False).best.name
+        winner = comparison.best_name(-OFF_BY * (sample - mean) - noise)
         wins[winner] = wins.get(winner, 0) + 1
     return {
         name: count / len(samples)

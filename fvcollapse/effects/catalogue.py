@@ -17,6 +17,7 @@ NAMES = (
     "dilatancy",
     "friction_hysteresis",
     "nonlocal",
+    "thin_layer",
     "cohesion",
     "erodible_bed",
     "transverse_profile",

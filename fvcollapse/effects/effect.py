@@ -4,6 +4,7 @@ The file `effects/<name>.py` describes an effect and ends with its `EFFECT`; the
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 from msgspec.structs import replace
@@ -37,17 +38,23 @@ class Prior(NamedTuple):
 
     def distribution(self):
         """The frozen distribution of scipy.stats; its `ppf` is the quantile coordinate."""
-        from scipy import stats
-
-        if self.kind == "uniform":
-            return stats.uniform(self.first, self.second - self.first)
-        names = {"loguniform": "loguniform", "normal": "norm", "halfnormal": "halfnorm"}
-        return getattr(stats, names[self.kind])(self.first, self.second)
+        return frozen(self.kind, self.first, self.second)
 
     def at(self, strength):
         """Value at a strength in (0, 1): the quantile, counted from the end of the weak effect."""
         quantile = strength if self.strong_end == "high" else 1.0 - strength
         return float(self.distribution().ppf(quantile))
+
+
+@cache
+def frozen(kind, first, second):
+    """The frozen distribution of a `Prior`; to make one takes a millisecond."""
+    from scipy import stats
+
+    if kind == "uniform":
+        return stats.uniform(first, second - first)
+    names = {"loguniform": "loguniform", "normal": "norm", "halfnormal": "halfnorm"}
+    return getattr(stats, names[kind])(first, second)
 
 
 class Field(NamedTuple):

@@ -8,17 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fvcollapse.case.case import GRAVITY
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
-from fvcollapse.measure.pile import (
-    detached_volume,
-    front_position,
-    survey_motion,
-    thickness,
-    x_at_volume,
-)
+from fvcollapse.measure.pile import front_position
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
-from fvcollapse.step.erodible_bed import layer_thickness
 
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
@@ -85,55 +77,6 @@ def numerical_loss(series):
         for name in ("kinetic_energy", "potential_energy", *ENERGY_SPENT)
     )
     return total[0] - total if total.size else total
-
-
-def measure(state, grid, quantities, energies, case):
-    """All instantaneous series values of one state, as a dict of floats.
-
-    Parameters
-    ----------
-    state, grid, case
-        As in `Simulation`.
-    quantities : dict of (nx, nz) arrays
-        `Simulation.cell_quantities()`.
-    energies : dict
-        `Simulation.energies()` [J/m].
-    """
-    filled = quantities["filled_fraction"]
-    x = grid.dx * np.arange(grid.nx + 1)
-    layer = layer_thickness(case)
-    h = thickness(state.level_set, grid.dz) - layer
-    column_volume = filled.sum(axis=1) * (grid.dx * grid.dz)
-    kept = column_volume.sum() + state.volume_outflow
-    pile = np.maximum(column_volume - layer * grid.dx, 0.0) if layer > 0.0 else column_volume
-    fastest, flowing, ill_posed = survey_motion(filled, state.u, state.w, quantities["ill_posed"])
-    return {
-        "time": state.time,
-        "front_position": front_position(x, h, case.front.thickness),
-        "front_1mm": front_position(x, h, 1.0e-3),
-        "front_10mm": front_position(x, h, 1.0e-2),
-        "x_99": x_at_volume(x, pile, 0.99),
-        "max_thickness": float(h.max()),
-        "detached_volume": detached_volume(x, np.maximum(h, 0.0)),
-        "relative_volume": float(kept / state.volume_0 - 1.0),
-        "volume_correction": float(state.volume_correction / state.volume_0),
-        "kinetic_energy": float(energies["kinetic"]),
-        "potential_energy": float(energies["potential"]),
-        **{name: getattr(state, name) for name in (*ENERGY_SPENT, *LOSSES)},
-        "max_speed": fastest,
-        "ill_posed_fraction": _ratio(ill_posed, flowing),
-        "negative_pressure_cells": _cells_in_suction(quantities, case),
-    }
-
-
-def _cells_in_suction(quantities, case):
-    """Number of cells with p below −1e-6 of the hydrostatic scale, above round-off; p is 0 without grains."""
-    scale = case.rheology.density_bulk * GRAVITY * case.geometry.height_0
-    return int(np.count_nonzero(quantities["pressure"] < -1.0e-6 * scale))
-
-
-def _ratio(part, whole):
-    return float(part / whole) if whole > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

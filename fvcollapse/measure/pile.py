@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from fvcollapse.step.arrays import larger
+from fvcollapse.step.arrays import larger, total
 from fvcollapse.step.compiled import kernel_jit
 
 SPEED_STATIC = 0.01  # m/s; slower grains count as static in the static–flowing interface
@@ -49,19 +49,24 @@ def speed_xface(state):
 
 
 @kernel_jit()
-def survey_motion(filled, u, w, ill_posed):
-    """Largest speed at the centre of a cell with grains (m/s), flowing volume and ill-posed part of it (cells)."""
-    largest = flowing = part = 0.0
+def fastest_cell(filled, u, w):
+    """Largest speed at the centre of a cell with grains, m/s."""
+    fastest = 0.0
     for i in range(filled.shape[0]):
         for k in range(filled.shape[1]):
             if filled[i, k] > 0.0:
                 along, across = 0.5 * (u[i, k] + u[i + 1, k]), 0.5 * (w[i, k] + w[i, k + 1])
-                speed = math.hypot(along, across)
-                largest = larger(largest, speed)
-                if speed > SPEED_STATIC:
-                    flowing += filled[i, k]
-                    part += ill_posed[i, k] * filled[i, k]
-    return largest, flowing, part
+                fastest = larger(fastest, math.hypot(along, across))
+    return fastest
+
+
+def ill_posed_share(state, quantities):
+    """Share of the flowing volume that is ill-posed; 0 where nothing flows."""
+    filled, u, w = quantities["filled_fraction"], state.u, state.w
+    speed = np.hypot(0.5 * (u[:-1] + u[1:]), 0.5 * (w[:, :-1] + w[:, 1:]))
+    flowing = np.where(speed > SPEED_STATIC, filled, 0.0)
+    volume = flowing.sum()
+    return float(flowing[quantities["ill_posed"]].sum() / volume) if volume > 0.0 else 0.0
 
 
 def static_height(state, grid):
@@ -88,6 +93,7 @@ def static_height(state, grid):
     return np.where(top < 0, 0.0, np.minimum(height, h))
 
 
+@kernel_jit()
 def front_position(x, h, threshold):
     """First x from the back wall, connected to the pile, where h falls below `threshold` [m].
 
@@ -95,17 +101,23 @@ def front_position(x, h, threshold):
     holds the highest point. 0 if h is nowhere that thick, and the last abscissa if it never falls
     below.
     """
-    thick = h >= threshold
-    if not thick.any():
-        return 0.0
-    start = 0 if thick[0] else int(h.argmax())
-    i = start + int(thick[start:].argmin())  # the first that is not
-    if thick[i]:
+    start = 0
+    if not h[0] >= threshold:
+        for n in range(h.size):
+            if h[n] > h[start]:
+                start = n
+        if not h[start] >= threshold:
+            return 0.0
+    i = start
+    while i < h.size and h[i] >= threshold:
+        i += 1
+    if i == h.size:
         return float(x[-1])
     share = (h[i - 1] - threshold) / (h[i - 1] - h[i])
     return float(x[i - 1] + share * (x[i] - x[i - 1]))
 
 
+@kernel_jit()
 def x_at_volume(x, column_volume, fraction):
     """Abscissa behind which `fraction` of the volume lies, columns being uniform inside [m].
 
@@ -118,24 +130,26 @@ def x_at_volume(x, column_volume, fraction):
     fraction : float
         0.99 for x_99.
     """
-    volume = np.zeros(len(x))
-    np.cumsum(column_volume, out=volume[1:])
-    if volume[-1] <= 0.0:
+    wanted = fraction * total(column_volume)
+    if wanted <= 0.0:
         return 0.0
-    i = int(volume.searchsorted(fraction * volume[-1]))
-    i = min(max(i, 1), len(column_volume))
-    share = (fraction * volume[-1] - volume[i - 1]) / column_volume[i - 1]
-    return float(x[i - 1] + share * (x[i] - x[i - 1]))
+    behind = 0.0
+    for i in range(column_volume.size):
+        if behind + column_volume[i] >= wanted and column_volume[i] > 0.0:
+            return float(x[i] + (wanted - behind) / column_volume[i] * (x[i + 1] - x[i]))
+        behind += column_volume[i]
+    return float(x[-1])
 
 
+@kernel_jit()
 def detached_volume(x, h):
     """Fraction of the volume beyond the first X where h < 1 mm, h being piecewise linear."""
-    area = 0.5 * (h[:-1] + h[1:]) * (x[1:] - x[:-1])
-    total = area.sum()
-    if total <= 0.0:
-        return 0.0
     front = front_position(x, h, THICKNESS_DETACHED)
-    i = min(int(x.searchsorted(front, side="right")) - 1, len(area) - 1)
-    h_front = np.interp(front, x, h)
-    beyond = 0.5 * (h_front + h[i + 1]) * (x[i + 1] - front) + area[i + 1 :].sum()
-    return float(beyond / total)
+    area = beyond = 0.0
+    for i in range(x.size - 1):
+        width = x[i + 1] - x[i]
+        area += 0.5 * (h[i] + h[i + 1]) * width
+        outside = min(max(x[i + 1] - front, 0.0), width)
+        at_front = h[i + 1] + outside / width * (h[i] - h[i + 1])
+        beyond += 0.5 * (at_front + h[i + 1]) * outside
+    return beyond / area if area > 0.0 else 0.0

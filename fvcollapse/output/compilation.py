@@ -7,11 +7,11 @@ TOLD = []  # whether this process has said so
 
 
 def is_compiled():
-    """Whether a kernel that every run needs is on the disk, for these sources; True where none is kept."""
-    from fvcollapse.step.geometry import fill_cells  # loads the compiler
+    """Whether the kernel of the steps is on the disk, for these sources; True where none is kept."""
+    from fvcollapse.march import march  # loads the compiler
 
-    files = getattr(fill_cells._cache, "_cache_file", None)
-    return files is None or bool(fill_cells.overloads) or bool(files._load_index())
+    files = getattr(march._cache, "_cache_file", None)
+    return files is None or bool(march.overloads) or bool(files._load_index())
 
 
 def tell_compilation(quiet):

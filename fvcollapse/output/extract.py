@@ -1,19 +1,25 @@
-"""Extract of a result: what a comparison with an experiment needs, in some 100 kB.
+"""Extract of a run: what a comparison with an experiment needs, in some 100 kB.
 
-An extract is a result file without fields: `open_result` and `observe` read it. Series are thinned
-to `INTERVAL`, with the last step kept; profiles and series are single precision, to `RESOLUTION`.
+An extract is a result file without fields, its series in tables (see `tables`): `open_result` and `observe` read it.
+Series are thinned to `INTERVAL`, with the last step kept; profiles and series are single precision, to `RESOLUTION`.
 The rows of `steps` are summed up between the rows of the series, so that totals do not change
-and `dt` is the time between two rows.
+and `dt` is the time between two rows. It is made from a result, or from the record of a run that has just ended.
 """
 
 import io
+from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.case.case import Case
 from fvcollapse.files.hdf5 import build_image, write_dataset
 from fvcollapse.output.checkpoint import write_header
-from fvcollapse.output.result import FORMAT, Result, write_status
-from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS
+from fvcollapse.output.result import FORMAT, Profiles, Result, write_status
+from fvcollapse.output.stepping import trust_of_record
+from fvcollapse.output.stored_names import PROFILES, SERIES
+from fvcollapse.output.tables import LAYOUT, TABLES, write_table
+from fvcollapse.output.trust import COMPLETE, Trust
+from fvcollapse.version import __version__
 
 INTERVAL = 0.005  # s between rows of the series
 RESOLUTION = 2.0**-18  # m, 4 micrometres: trailing zeros compress
@@ -21,31 +27,54 @@ SMALL = ("v110", "v110")  # the index of a data set takes 2 kB less than in olde
 LARGEST = ("residual", "divergence")  # of merged steps; of `time` the last, of others the sum
 
 
+class FinishedRun(NamedTuple):
+    """What an extract is made of, as a `Result` has it."""
+
+    case: Case
+    code_version: str
+    status: str
+    trust: Trust
+    series: dict
+    steps: dict
+    profiles: Profiles
+
+    @classmethod
+    def of(cls, recorder, case):
+        """Of the record of a run that has reached its end."""
+        columns = recorder.columns()
+        trust = trust_of_record(recorder, COMPLETE, case)
+        profiles = Profiles(**columns.profiles)
+        return cls(case, __version__, COMPLETE, trust, columns.series, columns.steps, profiles)
+
+
 def extract_image(result):
-    """The extract of a finished result, as bytes."""
+    """The extract of a finished `Result` or `FinishedRun`, as bytes."""
 
     def fill(file):
         write_header(file, FORMAT, result.case)
-        file.attrs["code_version"] = result.code_version
+        file.attrs["code_version"], file.attrs[LAYOUT] = result.code_version, TABLES
         write_status(file, result.status, result.trust)
         rows = kept_rows(result.series["time"])
-        for name, about in SERIES.items():
-            kind = np.float64 if name == "time" else np.float32
-            values = result.series[name][rows].astype(kind)
-            write_dataset(file.require_group("series"), name, values, *about)
-        for name, values in summed_steps(result.steps, rows).items():
-            about = STEPS.get(name, ("SI", name.replace("_", " ")))
-            write_dataset(file.require_group("steps"), name, values, *about)
-        profiles = file.create_group("profiles")
-        write_dataset(profiles, "time", result.profiles.time, "s", "times of the profiles")
-        write_dataset(
-            profiles, "x", result.profiles.x, "m", "distance along the bed from the back wall"
-        )
-        for name, about in PROFILES.items():
-            write_dataset(profiles, name, rounded(getattr(result.profiles, name)), *about)
+        series = {name: result.series[name][rows] for name in SERIES}
+        group = file.create_group("series")
+        write_dataset(group, "time", series.pop("time"), *SERIES["time"])
+        single = {name: values.astype(np.float32) for name, values in series.items()}
+        write_table(group, single, "series of a result")
+        steps = summed_steps(result.steps, rows)
+        double = {name: values.astype(np.float64) for name, values in steps.items()}
+        write_table(file.create_group("steps"), double, "sums of the step log between two rows")
+        write_profiles(file.create_group("profiles"), result.profiles)
         file.create_group("fields")
 
     return build_image(fill, SMALL)
+
+
+def write_profiles(group, profiles):
+    """Write the profiles of a result into an open group."""
+    write_dataset(group, "time", profiles.time, "s", "times of the profiles")
+    write_dataset(group, "x", profiles.x, "m", "distance along the bed from the back wall")
+    heights = {name: rounded(getattr(profiles, name)) for name in PROFILES}
+    write_table(group, heights, "heights of the pile")
 
 
 def open_image(image):

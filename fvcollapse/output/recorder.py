@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.files.hdf5 import memory_file, write_dataset
-from fvcollapse.measure.observables import front_velocity, measure, numerical_loss
-from fvcollapse.measure.pile import static_height, thickness
+from fvcollapse.measure.observables import front_velocity, numerical_loss
+from fvcollapse.measure.pile import ill_posed_share, static_height, thickness
+from fvcollapse.measure.series_row import ROW
 from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS, about_field
 from fvcollapse.step.erodible_bed import layer_thickness
 from fvcollapse.step.geometry import cell_fractions
@@ -20,6 +21,9 @@ SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
+AT_LANDINGS = (
+    "ill_posed_fraction"  # costs as much as a sweep: computed at landings, kept until the next
+)
 NOT_STORED = ("filled_fraction", "ill_posed")  # cell quantities that follow from the stored fields
 
 
@@ -29,6 +33,14 @@ class Landing(NamedTuple):
     time: float
     profile: bool
     field: bool
+
+
+class Columns(NamedTuple):
+    """The record of a run as arrays by name, as a result has them: series, step log and profiles."""
+
+    series: dict
+    steps: dict
+    profiles: dict
 
 
 def schedule(case):
@@ -79,29 +91,38 @@ class Recorder:
 
     # -- while the run goes on -------------------------------------------------------------------
 
-    def add_series(self, simulation):
-        """Append the values of the present state, and the running maxima and sums."""
-        quantities = simulation.cell_quantities()
-        row = measure(
-            simulation.state,
-            simulation.grid,
-            quantities,
-            simulation.energy,
-            simulation.case,
-        )
+    def add_start(self, simulation, landing):
+        """Record the start of a run."""
+        self.add_rows(simulation.row[None])
+        self.add_landing(simulation, landing)
+
+    def add_rows(self, rows):
+        """Append rows (n, len(ROW)) of the series, and the running maxima."""
+        columns = dict(zip(ROW, rows.T, strict=True))
+        columns["negative_pressure_cells"] = columns["negative_pressure_cells"].astype(int)
         for name, source in RUNNING.items():
-            previous = self.series[name]
-            row[name] = max(previous[-1], row[source]) if previous else row[source]
+            highest = self.series[name][-1:] or [-np.inf]
+            columns[name] = np.maximum(np.maximum.accumulate(columns[source]), highest)
         for name, values in self.series.items():
-            values.append(row[name])
+            if name != AT_LANDINGS:
+                values += columns[name].tolist()
+        share = self.series[AT_LANDINGS]
+        share += len(rows) * (share[-1:] or [0.0])
 
-    def add_step(self, record, wall_time):
-        """Append a `StepRecord`."""
-        for name, value in (record._asdict() | {"wall_time": wall_time}).items():
-            self.steps.setdefault(name, []).append(value)
+    def add_steps(self, marched, wall_time):
+        """Append what a march has done in so many seconds; they are divided evenly among its steps."""
+        if not marched.records:
+            return
+        self.add_rows(marched.rows)
+        each = wall_time / len(marched.records)
+        for record in marched.records:
+            for name, value in (record._asdict() | {"wall_time": each}).items():
+                self.steps.setdefault(name, []).append(value)
 
-    def add_snapshot(self, simulation, landing):
-        """Record the profile and the field that are due at a landing."""
+    def add_landing(self, simulation, landing):
+        """Record what is due at a landing: the ill-posed share, the profile, the field."""
+        share = ill_posed_share(simulation.state, simulation.cell_quantities())
+        self.series[AT_LANDINGS][-1] = share
         if landing.profile:
             self.add_profile(simulation)
         if landing.field:
@@ -151,24 +172,32 @@ class Recorder:
 
     # -- to and from a file ----------------------------------------------------------------------
 
-    def write(self, file):
-        """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
-        columns = self.series | {
+    def columns(self):
+        """The `Columns` of the record."""
+        series = self.series | {
             "front_velocity": front_velocity(self.series["time"], self.series["front_position"]),
             "numerical_loss": numerical_loss(self.series),
         }
+        heights = {name: pad_rows(self.profiles[name], len(self.x)) for name in PROFILES}
+        return Columns(
+            {name: np.array(series[name]) for name in SERIES},
+            {name: np.array(self.steps.get(name, [])) for name in STEPS | self.steps},
+            {"time": np.array(self.profile_times), "x": self.x} | heights,
+        )
+
+    def write(self, file):
+        """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
+        columns = self.columns()
         for name, about in SERIES.items():
-            write_dataset(file.require_group("series"), name, np.array(columns[name]), *about)
-        for name in STEPS | self.steps:
+            write_dataset(file.require_group("series"), name, columns.series[name], *about)
+        for name, values in columns.steps.items():
             about = STEPS.get(name, ("SI", name.replace("_", " ")))
-            write_dataset(
-                file.require_group("steps"), name, np.array(self.steps.get(name, [])), *about
-            )
-        group = file.create_group("profiles")
-        write_dataset(group, "time", np.array(self.profile_times), "s", "times of the profiles")
-        write_dataset(group, "x", self.x, "m", "distance along the bed from the back wall")
+            write_dataset(file.require_group("steps"), name, values, *about)
+        group, profiles = file.create_group("profiles"), columns.profiles
+        write_dataset(group, "time", profiles["time"], "s", "times of the profiles")
+        write_dataset(group, "x", profiles["x"], "m", "distance along the bed from the back wall")
         for name, about in PROFILES.items():
-            write_dataset(group, name, pad_rows(self.profiles[name], len(self.x)), *about)
+            write_dataset(group, name, profiles[name], *about)
         for name in ("fields", "paraview"):
             self.store.copy(name, file)
 

@@ -14,6 +14,7 @@ from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_fron
 from fvcollapse.output.field_layout import read_field
 from fvcollapse.output.record_layout import check_header, read_record
 from fvcollapse.output.stored_names import SERIES
+from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
 
 FORMAT = "fvcollapse-result"
@@ -68,7 +69,7 @@ class Result:
             self.code_version = text_attribute(file, "code_version")
             self.case_text = text_attribute(file, "case")
             self.case = case_from_text(self.case_text, self.path or "result")
-            record = read_record(file, self.case)
+            record = read_record(tabled(file), self.case)
             self.series, self.steps = record.series, record.steps
             self.profiles = Profiles(**record.profiles)
             self.field_times = read_field_times(file)

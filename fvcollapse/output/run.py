@@ -7,6 +7,7 @@ interrupted or fails, and at the end.
 
 import io
 import time
+from functools import partial
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -40,7 +41,7 @@ from fvcollapse.output.run_folder import (
     usable_checkpoint,
 )
 from fvcollapse.output.run_log import log_start, run_log, tell_once
-from fvcollapse.output.stepping import ending, guarded_step, guards_of, trust_of_record
+from fvcollapse.output.stepping import Pace, ending, steps_towards, trust_of_record
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
 from fvcollapse.simulation import Simulation
@@ -77,7 +78,7 @@ def run_case(
     folder,
     resume=False,
     quiet=False,
-    checkpoint_interval=CHECKPOINT_INTERVAL,
+    checkpoint_interval=None,
     force=False,
     simulate=None,
 ):
@@ -93,8 +94,8 @@ def run_case(
         end.
     quiet : bool
         No progress bar (there is none either when stderr is not a terminal).
-    checkpoint_interval : float
-        Wall time between checkpoints [s].
+    checkpoint_interval : float, optional
+        Wall time between checkpoints [s]; default `CHECKPOINT_INTERVAL`.
     force : bool
         Continue a run of the same case, and replace one of another.
     simulate : callable, optional
@@ -128,56 +129,79 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        log_start(log, case, stored)
-        if not_kept():
-            tell_once(log, UNCACHED)
         tell_compilation(quiet)
-        with failures_named():
-            job = Job(case, stored, simulate)
-        keeper = Keeper(job, folder, log, checkpoint_interval)
+        make = partial(Job, simulate=simulate)
+        keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)
-        with progress_bar(case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
-            keeper.march(bar, interrupted)
+        march_on(keeper, quiet)
         result = open_result(folder)
         log.info("done\n%s", result.summary_table())
     return result
 
 
+def begun(case, folder, log, stored, make, interval=None):
+    """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`; `make` makes its `Job`."""
+    log_start(log, case, stored)
+    if not_kept():
+        tell_once(log, UNCACHED)
+    with failures_named():
+        job = make(case, stored)
+    return Keeper(job, folder, log, CHECKPOINT_INTERVAL if interval is None else interval)
+
+
+def march_on(keeper, quiet):
+    """March to the end with a progress bar; a signal is heeded after a step."""
+    job = keeper.job
+    with progress_bar(job.case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
+        keeper.march(bar, interrupted)
+
+
 class Job:
     """A simulation with its recorder: the two always belong to the same instant after `step`.
 
-    `simulate` makes the simulation of (case, state), if not `Simulation` itself.
+    `simulate` makes the simulation of (case, state), if not `Simulation` itself; without `fields` none are recorded.
     """
 
-    def __init__(self, case, stored=None, simulate=None):
+    def __init__(self, case, stored=None, simulate=None, fields=True):
         simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
+        if not fields:
+            self.landings = [landing._replace(field=False) for landing in self.landings]
         if stored is None:
             self.simulation, self.recorder = simulate(case), Recorder()
-            self.recorder.add_series(self.simulation)
-            self.recorder.add_snapshot(self.simulation, self.landings[0])
+            self.recorder.add_start(self.simulation, self.landings[0])
         else:
             self.simulation, self.recorder = simulate(case, stored.state.copy()), stored.recorder
             self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
+            self.simulation.watch_energy(self.recorder.series)
         self.state = self.simulation.state.copy()  # the last good state
-        self.guards = guards_of(self.simulation, self.recorder)
+        self.pace = Pace()
 
-    def march(self, bar, after_step=lambda record: None):
+    def march(self, bar, after_steps=lambda records: None):
         """Step from the present time to the end of the case, landing on every scheduled time."""
         with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
             for landing in self.landings:
                 while self.state.time < landing.time - SAME_TIME:
-                    record = self.step(landing)
+                    records = self.steps(landing)
                     bar.set_postfix_str(
-                        f"step {self.state.step}, dt {record.dt:.1e} s", refresh=False
+                        f"step {self.state.step}, dt {self.state.dt:.1e} s", refresh=False
                     )
                     bar.update(self.state.time - bar.n)
-                    after_step(record)
+                    after_steps(records)
 
-    def step(self, landing):
-        """One step towards a landing, recorded; return its `StepRecord`."""
-        record, self.state = guarded_step(self.simulation, self.recorder, self.guards, landing)
-        return record
+    def steps(self, landing):
+        """Some steps towards a landing, recorded; return their `StepRecord`s.
+
+        Raises
+        ------
+        NumericalError
+            A step has failed; the good ones before it are recorded.
+        """
+        marched = steps_towards(self.simulation, self.recorder, landing, self.pace)
+        self.state = marched.state.copy()
+        if marched.problem is not None:
+            raise marched.problem
+        return marched.records
 
     def consistent(self):
         """Whether record and last good state belong together (not in the midst of a step)."""
@@ -199,17 +223,25 @@ class Job:
 
 
 class Keeper:
-    """Advances a job and saves its files at intervals, when it is stopped, and at the end."""
+    """Advances a job and saves its files at intervals, when it is stopped, and at the end.
+
+    Attributes
+    ----------
+    keep : function or None
+        Gets the finished job, of which no result is wanted; see `run_without_result`.
+    """
 
     def __init__(self, job, folder, log, interval):
         self.job, self.folder, self.log, self.interval = job, folder, log, interval
-        self.saved_at, self.cost, self.capped, self.running = 0.0, 0.0, 0, False
+        self.saved_at, self.cost, self.capped, self.running = time.monotonic(), 0.0, 0, False
+        self.keep = None
 
     def march(self, bar, interrupted):
         """Run the job to its end; the last good state is saved, whatever ends the run."""
 
-        def after_step(record):
-            self.note(record)
+        def after_steps(records):
+            for record in records:
+                self.note(record)
             if number := interrupted():
                 raise Interrupted(number)
             if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
@@ -217,7 +249,7 @@ class Keeper:
 
         self.running = True
         try:
-            self.job.march(bar, after_step)
+            self.job.march(bar, after_steps)
         except OutputError:  # the log says so already
             raise
         except KeyboardInterrupt:
@@ -248,12 +280,15 @@ class Keeper:
             self.log.warning("further capped steps are only counted")
 
     def save(self, status):
-        """Checkpoint, result and XDMF file, in this order, each replaced atomically."""
+        """Checkpoint, result and XDMF file, in this order, each replaced atomically; see `keep`."""
         start, job = time.monotonic(), self.job
         try:
+            if self.keep is not None and status == COMPLETE:
+                self.keep(job)
+                return
             write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
-            write_atomic(self.folder / RESULT, job.result_image(status), self.running)
-            write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
+            if self.keep is None or status not in (RUNNING, INTERRUPTED):
+                self.save_result(status)
         except (OutputError, MemoryError) as problem:
             error = as_output_error(problem, self.folder, self.running)
             self.log.error("%s", error)
@@ -266,3 +301,9 @@ class Keeper:
             job.state.step,
             self.capped,
         )
+
+    def save_result(self, status):
+        """Result and XDMF file."""
+        job = self.job
+        write_atomic(self.folder / RESULT, job.result_image(status), self.running)
+        write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)

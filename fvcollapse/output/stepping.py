@@ -1,54 +1,59 @@
-"""One step of a run with its guards and its record, and the status of a run that fails."""
+"""The steps of a run to a landing with their record, and the status of a run that fails."""
 
 import time
 from math import inf
 
+from fvcollapse.case.limits import STEPS_MAX
 from fvcollapse.errors import LimitReached, named_failure
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.trust import FAILED, STOPPED, trust_of
-from fvcollapse.step.guards import WATCHED, Guards, refuse_step
+from fvcollapse.step.guards import refuse_step
+
+CALL = 0.2  # s of wall time that the steps between two looks at the signals should take
+MOST = 256  # steps between two looks
 
 
-def guards_of(simulation, recorder):
-    """The `Guards` of a run whose record begins at t = 0."""
-    start = {name: recorder.series[name][0] for name in ("kinetic_energy", "potential_energy")}
-    return Guards(simulation.case, sum(start.values()))
+class Pace:
+    """How many steps are taken between two looks at the signals; their number does not change the steps."""
+
+    def __init__(self):
+        self.steps = 1
+
+    def note(self, steps, seconds):
+        """Note that so many steps took so many seconds."""
+        if steps > 0:
+            self.steps = int(min(max(CALL * steps / max(seconds, 1e-9), 1), MOST, 4 * self.steps))
 
 
-def guarded_step(simulation, recorder, guards, landing):
-    """Make one step towards a landing and record it; a step that fails leaves no trace in the record.
+def steps_towards(simulation, recorder, landing, pace):
+    """Take some steps towards a landing and record them; a step that fails leaves no trace in the record.
 
     Parameters
     ----------
     simulation : Simulation
-        Left at the state that failed, if the step fails.
+        Left at the state that failed, if a guard refuses it.
     recorder : Recorder
-    guards : Guards
     landing : Landing
+    pace : Pace
 
     Returns
     -------
-    (StepRecord, State)
-        Copy of the state after the step.
-
-    Raises
-    ------
-    NumericalError
-        The solve fails, a guard is broken, or a limit is reached.
+    Marched
     """
-    refuse_step(simulation.state.step, simulation.state.time)
+    state = simulation.state
+    refuse_step(state.step, state.time)
     start, mark = time.perf_counter(), recorded(recorder)
-    try:
-        record = simulation.advance(landing.time)
-        recorder.add_step(record, time.perf_counter() - start)
-        recorder.add_series(simulation)
-        guards.check(simulation, {name: recorder.series[name][-1] for name in WATCHED})
-        if simulation.state.time >= landing.time - SAME_TIME:
-            recorder.add_snapshot(simulation, landing)
-        return record, simulation.state.copy()
-    except Exception:
-        rewind(recorder, mark)
-        raise
+    marched = simulation.march(landing.time, min(pace.steps, STEPS_MAX - state.step))
+    seconds = time.perf_counter() - start
+    pace.note(len(marched.records), seconds)
+    recorder.add_steps(marched, seconds)
+    if marched.problem is None and simulation.state.time >= landing.time - SAME_TIME:
+        try:
+            recorder.add_landing(simulation, landing)
+        except BaseException:
+            rewind(recorder, mark)
+            raise
+    return marched
 
 
 def recorded(recorder):

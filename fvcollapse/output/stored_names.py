@@ -57,7 +57,7 @@ SERIES = {
     "max_speed": ("m/s", "largest speed at the centre of a cell that holds grains"),
     "ill_posed_fraction": (
         "1",
-        "part of the flowing volume (faster than 0.01 m/s) where the model is ill-posed",
+        "part of the flowing volume (faster than 0.01 m/s) where the model is ill-posed, at the last landing",
     ),
     "negative_pressure_cells": ("1", "number of cells in suction"),
 }

@@ -1,8 +1,9 @@
 """The algorithm of a step: its stages, and the order in which they act.
 
-A stage is a function of a simulation, which holds case, state, geometry and scratch arrays; its docstring says what
-holds afterwards. `STAGES` are those of a collapse. A simulation may be given others, for a flow in a box, say, or to
-take their time.
+A stage is a function of a `Flow` (`fvcollapse/step/flow.py`), which holds state, geometry and scratch arrays; its
+docstring says what holds afterwards. `STAGES` are those of a collapse. They are kernels, and `stepper` compiles them
+into one. A simulation may be given others in plain Python, for a flow in a box, say, or to take their time: the step
+is then the same function, interpreted.
 """
 
 import math
@@ -12,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.errors import NumericalError
 
-from . import quantities
-from .arrays import largest
-from .balance import SPEED_SCALE, balance_of
-from .domain import fit_grid, place, repeat
-from .energy import loss_of_step, work_of_step
+from .arrays import copy
+from .balance import balance_with
+from .compiled import from_python, inner_jit
+from .coupled import Outcome
+from .domain import place, room_needed
+from .energy import book_energy, kinetic_energy
 from .extrapolation import (
     LAYERS,
     SOLENOIDAL_LAYERS,
@@ -26,16 +27,24 @@ from .extrapolation import (
     extrapolate,
     mark_known,
 )
+from .flow import (
+    DT,
+    KINETIC,
+    LOSS_ADVECTION,
+    POTENTIAL,
+    STEP,
+    TIME,
+    copy_all,
+    packing_of,
+    set_carrier,
+)
+from .gate import gate_velocity
+from .geometry import repeat
 from .momentum import advect_momentum
 from .solution import solve
 from .surface import move_surface
-from .time_step import (
-    fit_to,
-    limit_advection,
-    limit_gate,
-    limit_surface_wave,
-    shortest,
-)
+from .terms import act_before_solve, finish_terms
+from .time_step import choose_step, fit_to
 
 RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
 CHANGE_LIMIT = 0.1  # change of the last sweep, relative to the largest speed, that refuses a step
@@ -43,6 +52,20 @@ CHANGE_LIMIT = 0.1  # change of the last sweep, relative to the largest speed, t
 # neither with steps down to 2e-6 s nor with 200 sweeps. The effect on the flow is gone after 0.1 s.
 SLOW = 0.1
 HALVINGS = 5
+SOFT_STEPS = 10  # first steps, whose sweeps begin with a larger regularisation
+SAME_TIME = 1.0e-12  # s
+
+# How a step ends
+DONE, TOO_SHORT, REFUSED = 0, 1, 2
+
+
+class Step(NamedTuple):
+    """How a step has ended: its length, s, what its last solve reports, and the volume that was added, m2."""
+
+    code: int
+    dt: float
+    outcome: Outcome
+    added: float
 
 
 class StepRecord(NamedTuple):
@@ -58,105 +81,69 @@ class StepRecord(NamedTuple):
     volume_correction: float
 
 
-# -- the stages ----------------------------------------------------------------------------------
+# -- the stages that stand in no other file --------------------------------------------------------
 
 
-def choose_step(simulation, time_limit):
-    """Return the longest step, s, that all limits allow on the way to `time_limit` (s)."""
-    case, (dx, dz), state = simulation.case, simulation.spacing, simulation.state
-    h = min(dx, dz)
-    fastest = max(largest(state.u), largest(state.w))  # beyond the surface too
-    limits = {
-        "the case": case.longest_step,
-        f"a speed of {fastest:.3g} m/s": limit_advection(
-            simulation.shape_factor * fastest, case.time.cfl, h
-        ),
-        "the free surface": limit_surface_wave(GRAVITY, h),
-    }
-    limits |= {name: limit(state) for name, limit in simulation.terms.limit}
-    dt = shortest(limits, case.longest_step, state.time)
-    dt = min(dt, 1.1 * state.dt if state.dt > 0.0 else 0.1 * case.longest_step)
-    top = simulation.grid.nz * dz
-    uncovered = limit_gate(simulation.lift, state.time, top, dz, fit_to(time_limit, state.time, dt))
-    return min(dt, uncovered)
+@inner_jit()
+def carry_momentum(flow, packing, dt):
+    """Return the velocity (u*, w*) that the mass between the old and the new surface has after dt (s), m/s.
 
-
-def carry_momentum(simulation, old_level_set, packing, dt):
-    """Return the velocity (u*, w*) that the mass between the old and the new surface has after dt (s), m/s."""
-    state = simulation.state
-    u_star, w_star = np.empty_like(state.u), np.empty_like(state.w)
+    `packing` (nx, nz) is the local density over density_bulk at the start of the step.
+    """
+    fields, constants = flow.fields, flow.constants
+    u_star, w_star = np.empty_like(fields.u), np.empty_like(fields.w)
     advect_momentum(
         u_star,
         w_star,
-        state.u,
-        state.w,
-        state.bed_slip,
-        simulation.geometry.aperture,
-        old_level_set,
-        state.level_set,
+        fields.u,
+        fields.w,
+        flow.carrier.u,
+        flow.carrier.w,
+        fields.bed_slip,
+        flow.geometry.aperture,
+        flow.before.level_set,
+        fields.level_set,
         packing,
         dt,
-        *simulation.spacing,
-        simulation.shape_factor,
+        constants.dx,
+        constants.dz,
+        constants.shape_factor,
     )
     return u_star, w_star
 
 
-def act_before_solve(simulation, u_star, w_star, balance):
-    """Return the impulses of the terms that act between advection and solve, and the balance that is left for it."""
-    impulses = []
-    for _, before_solve in simulation.terms.before_solve:
-        impulse, balance = before_solve(simulation, u_star, w_star, balance)
-        impulses += [] if impulse is None else [impulse]
-    return impulses, balance
-
-
-def finish_terms(simulation, dt):
-    """The fields of the effects are those at the end of the step."""
-    for _, finish in simulation.terms.finish:
-        finish(simulation, dt)
-    state = simulation.state
-    repeat(simulation, *(getattr(state, name) for name in state.effect_fields()))
-
-
-def book_energy(simulation, u_star, w_star, impulses, balance):
-    """The energy of the step is booked: work against each resistance, and what the discretisation took; return it."""
-    state, energy = simulation.state, simulation.energies()
-    work = work_of_step(simulation, impulses, balance)
-    loss = loss_of_step(simulation, energy, u_star, w_star, balance)
-    for kind, terms in (("work", work), ("loss", loss)):
-        for name, value in terms._asdict().items():
-            total = getattr(state, f"{kind}_{name}") + float(value)
-            setattr(state, f"{kind}_{name}", total)
-    return energy
-
-
-def continue_velocity(simulation):
+@inner_jit()
+def continue_velocity(flow):
     """The velocity is known beyond the surface too, as far as the next step reaches."""
-    state, geometry = simulation.state, simulation.geometry
-    known_u, known_w = np.empty(state.u.shape, np.int64), np.empty(state.w.shape, np.int64)
-    mark_known(
-        known_u,
-        known_w,
-        geometry,
-        simulation.work.constrained,
-        simulation.case.numerics.film_thickness,
-        simulation.spacing[1],
-    )
-    extrapolate(state.u, known_u, LAYERS)
-    extrapolate(state.w, known_w, LAYERS)
-    if simulation.layer > 0.0:
-        state.u[-1] = 0.0  # the wall that closes the layer
-    repeat(simulation, state.u, state.w)
-    close_divergence(
-        state.u, state.w, known_u, known_w, geometry.filled, SOLENOIDAL_LAYERS, *simulation.spacing
-    )
+    fields, geometry, constants = flow.fields, flow.geometry, flow.constants
+    u, w, dx, dz = fields.u, fields.w, constants.dx, constants.dz
+    known_u, known_w = np.empty(u.shape, np.int64), np.empty(w.shape, np.int64)
+    constrained = flow.work.constrained
+    mark_known(known_u, known_w, geometry, constrained, constants.film_thickness, dz)
+    extrapolate(u, known_u, LAYERS)
+    extrapolate(w, known_w, LAYERS)
+    if constants.layer > 0.0:
+        for k in range(u.shape[1]):
+            u[u.shape[0] - 1, k] = 0.0  # the wall that closes the layer
+    repeat(geometry, u)
+    repeat(geometry, w)
+    close_divergence(u, w, known_u, known_w, geometry.filled, SOLENOIDAL_LAYERS, dx, dz)
+
+
+@inner_jit()
+def balance_of(flow, dt):
+    """`Balance` of the step of dt (s) that the state is in."""
+    constants, numbers = flow.constants, flow.fields.numbers
+    balance = constants.balance
+    soft = constants.soft_rate if numbers[STEP] < SOFT_STEPS else 0.0
+    gate_speed = gate_velocity(numbers[TIME] + dt, constants.lift)
+    return balance_with(balance, dt, soft, gate_speed, balance.wall_strength)
 
 
 class Stages(NamedTuple):
     """The stages of a step, in the order in which they act."""
 
-    fit_grid: Callable = fit_grid
+    room_needed: Callable = room_needed
     choose_step: Callable = choose_step
     move_surface: Callable = move_surface
     carry_momentum: Callable = carry_momentum
@@ -168,86 +155,160 @@ class Stages(NamedTuple):
     continue_velocity: Callable = continue_velocity
 
 
-STAGES = Stages()
+COMPILED = Stages()
+STAGES = Stages(*(from_python(stage) for stage in COMPILED))  # the same, to be called from Python
 
 
 # -- a step --------------------------------------------------------------------------------------
 
 
-def advance(simulation, start, dt):
-    """Take one step of dt (s) from the state `start`, which stays as it is; the state is then a changed copy.
+def stepper(stages):
+    """The functions (advance, take_step) of one step with these stages; see their docstrings.
 
-    Returns
-    -------
-    (Outcome, float, dict)
-        What the solve reports; the correction of the volume, m2; the energies at the end, J/m.
+    Parameters
+    ----------
+    stages : Stages
+        Kernels, or functions of which some are plain Python.
     """
-    stages = simulation.stages
-    simulation.state = state = start.copy()
-    repeat(simulation, state.level_set, state.u, state.w)
-    packing = simulation.packing()
-
-    correction = stages.move_surface(simulation, dt)
-    predicted = stages.carry_momentum(simulation, start.level_set, packing, dt)
-    stages.place(simulation, state.time + dt)
-
-    balance = balance_of(simulation, dt)
-    impulses, balance = stages.act_before_solve(simulation, *predicted, balance)
-    outcome = stages.solve(simulation, *predicted, impulses, balance)
-    stages.finish_terms(simulation, dt)
-
-    solved = stages.book_energy(simulation, *predicted, impulses, balance)
-    stages.continue_velocity(simulation)
-    kinetic = quantities.kinetic_energy(
-        state, simulation.geometry, balance.density, *simulation.spacing
+    (
+        _,
+        choose_step,
+        move_surface,
+        carry_momentum,
+        place,
+        act_before_solve,
+        solve,
+        finish_terms,
+        book_energy,
+        continue_velocity,
+    ) = stages
+    jit, helpers = (
+        (inner_jit(inline="always"), _KERNELS) if stages is COMPILED else (_as_it_is, _FROM_PYTHON)
     )
-    state.loss_advection += float(solved["kinetic"] - kinetic)
-    return outcome, correction, solved | {"kinetic": kinetic}
+    (
+        repeat,
+        packing_of,
+        set_carrier,
+        balance_of,
+        kinetic_energy,
+        copy,
+        copy_all,
+        fit_to,
+        change_of,
+        is_sound,
+    ) = helpers
+
+    @jit
+    def advance(flow, dt, memory):
+        """Take one step of dt (s); `flow.before` holds its start.
+
+        Returns
+        -------
+        (Outcome, float, float, float, (m,) array)
+            What the solve reports; the volume that was added, m2; kinetic and potential energy at the end, J/m; the
+            memory of the next solve.
+        """
+        fields = flow.fields
+        repeat(flow.geometry, fields.level_set)
+        repeat(flow.geometry, fields.u)
+        repeat(flow.geometry, fields.w)
+        packing = packing_of(flow)
+        set_carrier(flow, dt)
+        moved = move_surface(flow, dt)
+        u_star, w_star = carry_momentum(flow, packing, dt)
+        ends = place(flow, fields.numbers[TIME] + dt, False)
+
+        balance = balance_of(flow, dt)
+        impulse, left = act_before_solve(flow, u_star, w_star, balance)
+        outcome, memory = solve(flow, ends, u_star, w_star, impulse, left, memory)
+        finish_terms(flow, dt)
+
+        solved, potential = book_energy(flow, moved, u_star, w_star, impulse, left)
+        continue_velocity(flow)
+        kinetic = kinetic_energy(flow)
+        fields.numbers[LOSS_ADVECTION] += solved - kinetic
+        return outcome, moved.added, kinetic, potential, memory
+
+    @jit
+    def take_step(flow, time_limit, memory):
+        """Take one step, shorter ones where the solve fails; the state then holds time and length of the step.
+
+        A step that fails after `HALVINGS` halvings, too, leaves the state as it was.
+
+        Returns
+        -------
+        (Step, (m,) array)
+            The second is the memory of the next solve.
+        """
+        numbers, constants = flow.fields.numbers, flow.constants
+        time = numbers[TIME]
+        dt = choose_step(flow, time_limit)
+        if not dt > 0.0:
+            nothing = Outcome(0, math.nan, 0.0, 0.0, math.nan, 0, False)
+            return Step(TOO_SHORT, dt, nothing, 0.0), memory
+        dt = fit_to(time_limit, time, dt)
+        copy_all(flow.saved, flow.store)
+        for halving in range(HALVINGS + 1):
+            if halving > 0:
+                dt *= 0.5
+                copy_all(flow.store, flow.saved)
+            outcome, added, kinetic, potential, memory = advance(flow, dt, memory)
+            if outcome.info == 0 and change_of(outcome, constants) <= CHANGE_LIMIT:
+                break
+        if not is_sound(outcome, constants):
+            copy_all(flow.store, flow.saved)
+            return Step(REFUSED, dt, outcome, added), memory
+        end = time + dt
+        numbers[TIME] = time_limit if abs(end - time_limit) < SAME_TIME else end
+        numbers[STEP] += 1
+        numbers[DT] = dt
+        copy(flow.fields.u_before, flow.before.u)
+        copy(flow.fields.w_before, flow.before.w)
+        flow.energy[KINETIC], flow.energy[POTENTIAL] = kinetic, potential
+        return Step(DONE, dt, outcome, added), memory
+
+    return advance, take_step
 
 
-def advance_safely(simulation, time_limit):
-    """Take one step, shorter ones where the solve fails; the state then holds time and length of the step.
-
-    Returns
-    -------
-    StepRecord
-
-    Raises
-    ------
-    NumericalError
-        If the solve fails or stays above the error limit after `HALVINGS` halvings of the step; the
-        state is then the last good one.
-    """
-    start = simulation.state
-    dt = fit_to(time_limit, start.time, simulation.stages.choose_step(simulation, time_limit))
-    for _ in range(HALVINGS + 1):
-        outcome, correction, energy = advance(simulation, start, dt)
-        change = change_of(outcome, simulation.case)
-        if outcome.info == 0 and change <= CHANGE_LIMIT:
-            break
-        dt *= 0.5
-    problem = problem_of(outcome, change, simulation.case)
-    if problem:
-        simulation.state = start
-        raise NumericalError(problem, "in the momentum solve", start.time)
-    state, simulation.energy = simulation.state, energy
-    state.time = time_limit if abs(start.time + dt - time_limit) < 1e-12 else start.time + dt
-    state.step = start.step + 1
-    state.dt = dt
-    return StepRecord(
-        state.time,
-        dt,
-        outcome.sweeps,
-        outcome.sweeps,
-        outcome.change,
-        outcome.divergence,
-        not outcome.settled,
-        correction,
-    )
+def _as_it_is(function):
+    return function
 
 
-def problem_of(outcome, change, case):
-    """Why the outcome of a solve is refused; "" if it is not."""
+@inner_jit()
+def change_of(outcome, constants):
+    """Change of the velocity in the last sweep, relative to the largest speed, at least that of slow grains."""
+    if outcome.change <= CHANGE_LIMIT:
+        return outcome.change
+    change = outcome.change * max(outcome.speed, constants.balance.speed_scale)
+    return change / max(outcome.speed, constants.slow)
+
+
+@inner_jit()
+def is_sound(outcome, constants):
+    """Whether the outcome of a solve is accepted."""
+    if outcome.info != 0 or not change_of(outcome, constants) <= CHANGE_LIMIT:  # true for NaN
+        return False
+    return not constants.check_residual or outcome.residual <= RESIDUAL_TOLERANCE
+
+
+_KERNELS = (
+    repeat,
+    packing_of,
+    set_carrier,
+    balance_of,
+    kinetic_energy,
+    copy,
+    copy_all,
+    fit_to,
+    change_of,
+    is_sound,
+)
+_FROM_PYTHON = tuple(from_python(kernel) for kernel in _KERNELS)
+
+
+def problem_of(outcome, constants):
+    """Why the outcome of a solve is refused."""
+    change = change_of.py_func(outcome, constants)
     if outcome.info != 0:
         return (
             f"the factorisation meets pivot {outcome.info}, which is not positive, also after "
@@ -258,18 +319,11 @@ def problem_of(outcome, change, case):
             f"the nonlinear sweeps still change the velocity by {change:.2g} (limit "
             f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step"
         )
-    if case.numerics.method == "coupled" and not outcome.residual <= RESIDUAL_TOLERANCE:
-        return (
-            f"the linear solve leaves {outcome.residual:.2g} of the weight (limit "
-            f"{RESIDUAL_TOLERANCE})"
-        )
-    return ""
+    return (
+        f"the linear solve leaves {outcome.residual:.2g} of the weight (limit {RESIDUAL_TOLERANCE})"
+    )
 
 
-def change_of(outcome, case):
-    """Change of the velocity in the last sweep, relative to the largest speed, at least that of slow grains."""
-    if outcome.change <= CHANGE_LIMIT:
-        return outcome.change
-    scale = math.sqrt(GRAVITY * case.geometry.height_0)
-    change = outcome.change * max(outcome.speed, SPEED_SCALE * scale)
-    return change / max(outcome.speed, SLOW * scale)
+def slow_speed(case):
+    """Speed, m/s, of grains whose sweeps may stall (`SLOW`)."""
+    return SLOW * math.sqrt(GRAVITY * case.geometry.height_0)

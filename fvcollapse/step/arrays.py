@@ -52,6 +52,14 @@ def add(target, other):
 
 
 @inner_jit()
+def subtract(target, other):
+    """Subtract an array from another one, in place."""
+    for i in range(target.shape[0]):
+        for k in range(target.shape[1]):
+            target[i, k] -= other[i, k]
+
+
+@inner_jit()
 def total(values):
     """Sum of the values (n,), one after the other; the method `sum` makes every start import half of scipy."""
     found = 0.0

@@ -1,6 +1,5 @@
 """The banded system of a nonlinear sweep: inertia, weight, friction, viscous stress and pressure."""
 
-from .banded import clear
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, last_face
 from .grain_response import add_source
@@ -21,6 +20,8 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                 if k == 0:
                     band[n, 0] += work.k_bed[i] / dz
                 rhs[n] = m * u_star[i, k] + balance.density * balance.gx * mass
+                if k == 0:
+                    rhs[n] -= work.bed_drag[i] / dz
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             n = geometry.index_w[i, k]
@@ -55,9 +56,11 @@ def add_pressure_force(rhs, pressure_filled, geometry, dx, dz):
 
 
 @kernel_jit()
-def assemble(band, rhs, ends, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
-    """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure."""
-    clear(band, ends)
+def assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance, dx, dz):
+    """Matrix and right-hand side of one sweep, from the coefficients in `work`; released cells lose their pressure.
+
+    `band` is zero before, as `solve_factorised` leaves it.
+    """
     add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz)
     add_cells(band, work.weight_centre, work.constrained, work.response.penalty, geometry, dx, dz)
     add_nodes(band, work.weight_node, geometry, dx, dz)

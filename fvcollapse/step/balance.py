@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from fvcollapse.case.case import GRAVITY
 
-from .gate import gate_velocity
+from .compiled import inner_jit
 from .grain_response import Response
 from .lateral_friction import sink_constants
 
@@ -42,21 +42,28 @@ class Balance(NamedTuple):
     response: Response | None
 
 
-def balance_of(simulation, dt):
-    """`Balance` of the step of dt (s) that the state of a simulation is in."""
-    case, state, lift = simulation.case, simulation.state, simulation.lift
-    response = simulation.response
+def balance_at_rest(case, gravity, gate_column, response):
+    """`Balance` of a resolved case for a step of no length, with the gate at rest; see `balance_of`.
+
+    Parameters
+    ----------
+    case : Case
+    gravity : (float, float)
+        Along the bed and normal to it, m/s2.
+    gate_column : int
+        Negative without a gate.
+    response : Response or None
+    """
     numerics, height, density = case.numerics, case.geometry.height_0, case.rheology.density_bulk
     walls, gate = case.effects.lateral_friction, case.effects.gate
     strength, deep_ratio, weakening_depth = sink_constants(walls, case.geometry.channel_width)
     scale = math.sqrt(GRAVITY * height)
-    soft = 0.1 * math.sqrt(GRAVITY / height) if state.step < SOFT_STEPS else 0.0
     periodic = case.boundary.ends == "periodic"
     return Balance(
-        dt=dt,
+        dt=0.0,
         density=density,
-        gx=simulation.gravity[0],
-        gz=simulation.gravity[1],
+        gx=gravity[0],
+        gz=gravity[1],
         mu_bed=float(case.boundary.mu_bed),
         mu_back_wall=0.0 if periodic else float(case.boundary.mu_back_wall),
         wall_strength=strength,
@@ -66,11 +73,43 @@ def balance_of(simulation, dt):
         tolerance=numerics.tolerance,
         speed_scale=SPEED_SCALE * scale,
         max_sweeps=numerics.max_sweeps,
-        rate_start=soft,
+        rate_start=0.0,
         wall_deep_ratio=deep_ratio,
         wall_weakening_depth=weakening_depth,
-        gate_column=simulation.gate_column,
-        gate_speed=gate_velocity(state.time + dt, lift),
+        gate_column=gate_column,
+        gate_speed=0.0,
         mu_gate=gate.mu_gate if gate is not None else 0.0,
-        response=response if response.active else None,
+        response=response,
+    )
+
+
+def soft_rate(case):
+    """Shear rate, 1/s, by which the first sweeps of the first steps are regularised."""
+    return 0.1 * math.sqrt(GRAVITY / case.geometry.height_0)
+
+
+@inner_jit()
+def balance_with(balance, dt, rate_start, gate_speed, wall_strength):
+    """The same `Balance` with what changes from step to step."""
+    return Balance(
+        dt,
+        balance.density,
+        balance.gx,
+        balance.gz,
+        balance.mu_bed,
+        balance.mu_back_wall,
+        wall_strength,
+        balance.slip_min,
+        balance.penalty,
+        balance.unilateral,
+        balance.tolerance,
+        balance.speed_scale,
+        balance.max_sweeps,
+        rate_start,
+        balance.wall_deep_ratio,
+        balance.wall_weakening_depth,
+        balance.gate_column,
+        gate_speed,
+        balance.mu_gate,
+        balance.response,
     )

@@ -24,7 +24,7 @@ def allocate_system(ends, buffer=None):
     ----------
     buffer : (m,) array, optional
         All zero; where the band is placed if it is long enough: new memory for every step costs
-        more than its zeros. After the solve `clear` leaves it zero again, except where that failed.
+        more than its zeros. `solve_factorised` leaves it zero again.
 
     Returns
     -------
@@ -53,11 +53,30 @@ def new_system(n, half_bandwidth):
     return np.zeros((rows, width_of(half_bandwidth))), np.zeros(rows)
 
 
+@inner_jit()
+def system_in(memory, ends):
+    """Memory, band and right-hand side as of `allocate_system`, for kernels; new memory where it does not suffice."""
+    half_bandwidth = 0
+    for n in range(ends.size):
+        half_bandwidth = max(half_bandwidth, ends[n] - n)
+    rows, width = ends.size + LANES, width_of(half_bandwidth)
+    if memory.size < rows * width:
+        memory = np.zeros(rows * width)
+    return memory, memory[: rows * width].reshape(rows, width), np.zeros(rows)
+
+
+@inner_jit()
+def _clear_column(flat, j, width, ends):
+    """Zero column j of the flat band within the envelope; there is nothing else outside of it."""
+    flat[j * width : j * width + ends[j] - j + 1] = 0.0
+
+
 @kernel_jit()
 def clear(band, ends):
-    """Zero within the envelope; there is nothing else outside of it."""
+    """Zero within the envelope: a band that was factorised and not solved with."""
+    flat, width = band.reshape(-1), band.shape[1]
     for j in range(ends.size):
-        band[j, : ends[j] - j + 1] = 0.0
+        _clear_column(flat, j, width, ends)
 
 
 @inner_jit()
@@ -184,7 +203,11 @@ def factorise(band, ends):
 
 @kernel_jit()
 def solve_factorised(rhs, band, ends):
-    """Overwrite the first n of `rhs` (n + LANES,) with the solution, from the band left by `factorise`."""
+    """Overwrite the first n of `rhs` (n + LANES,) with the solution, from the band left by `factorise`.
+
+    The band is zero afterwards: each column is cleared where it is read for the last time, while it is in the
+    fastest memory. To clear the band on its own cost more than to assemble the matrix into it.
+    """
     n, width = ends.size, band.shape[1]
     if band.shape[0] < n + LANES or rhs.size < n + LANES:
         raise IndexError
@@ -199,8 +222,11 @@ def solve_factorised(rhs, band, ends):
     for j in range(n - 1, whole - 1, -1):
         for m in range(1, ends[j] - j + 1):
             rhs[j] -= flat[j * width + m] * rhs[j + m] * flat[j * width]
+        _clear_column(flat, j, width, ends)
     for j in range(whole - PIVOTS, -1, -PIVOTS):
         _backward_four(rhs, flat, j, j * width, width, ends[j + PIVOTS - 1] - j - PIVOTS + 1)
+        for c in range(j, j + PIVOTS):
+            _clear_column(flat, c, width, ends)
 
 
 @inner_jit()

@@ -20,13 +20,17 @@ from .viscous import viscosity_weights
 
 
 class Work(NamedTuple):
-    """Scratch arrays of the sweeps on one grid shape."""
+    """Scratch arrays of the sweeps on one grid shape.
+
+    The traction of the bed is k_bed u + bed_drag, Pa: see `sliding_bed.linearise`.
+    """
 
     e_centre: np.ndarray
     g_node: np.ndarray
     weight_centre: np.ndarray
     weight_node: np.ndarray
     k_bed: np.ndarray
+    bed_drag: np.ndarray
     k_wall: np.ndarray
     wall_slip: np.ndarray
     k_gate: np.ndarray
@@ -47,6 +51,7 @@ def allocate_work(nx, nz):
         np.zeros((nx + 1, nz + 1)),
         np.zeros((nx, nz)),
         np.zeros((nx + 1, nz + 1)),
+        np.zeros(nx + 1),
         np.zeros(nx + 1),
         np.zeros(nz + 1),
         np.zeros(nz + 1),
@@ -122,6 +127,7 @@ def stress_coefficients(work, pressure_filled, geometry, material, response):
 @inner_jit()
 def wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
     """Friction coefficients of bed and back wall."""
+    work.bed_drag[:] = 0.0
     bed_friction(
         work.k_bed,
         bed_slip,
@@ -130,6 +136,7 @@ def wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material,
         work.weight_centre,
         work.e_centre,
         work.response.extra_friction,
+        work.response.bed_excess,
         geometry,
         material,
         balance.gz,
@@ -183,13 +190,9 @@ def lateral_coefficients(work, u, w, pressure_filled, geometry, balance, dz):
         work.sink_z[:] = 0.0
 
 
-@kernel_jit()
-def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz):
-    """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`."""
-    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
-    answer(balance.response, work, pressure_filled, geometry, material, balance, dx, dz)
-    stress_coefficients(work, pressure_filled, geometry, material, balance.response)
-    wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+@inner_jit()
+def gate_coefficients(work, w, pressure_filled, geometry, material, balance, dx):
+    """Friction coefficients of the gate."""
     if balance.mu_gate > 0.0:
         gate_friction(
             work.k_gate,
@@ -204,4 +207,25 @@ def coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, bala
             balance,
             dx,
         )
+
+
+@kernel_jit()
+def coefficients(
+    work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz, solved
+):
+    """Viscosity and friction coefficients of the current velocity and pressure, into `work` and `bed_slip`.
+
+    `solved`: velocity and pressure come from a solve with the viscosity that is in `work`. The reaction of a
+    wall is then taken with that viscosity, for only so is it what carries the grains in that solve. With the
+    new one the reaction under a plug, whose viscosity jumps tenfold from sweep to sweep, would be wrong by 3 % in
+    turns, and the sweeps would not settle in a tip of one cell.
+    """
+    strain_rates(work.e_centre, work.g_node, u, w, bed_slip, geometry, dx, dz)
+    answer(balance.response, work, pressure_filled, geometry, material, balance, dx, dz)
+    if not solved:
+        stress_coefficients(work, pressure_filled, geometry, material, balance.response)
+    wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material, balance, dx, dz)
+    gate_coefficients(work, w, pressure_filled, geometry, material, balance, dx)
+    if solved:
+        stress_coefficients(work, pressure_filled, geometry, material, balance.response)
     lateral_coefficients(work, u, w, pressure_filled, geometry, balance, dz)

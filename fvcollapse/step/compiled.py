@@ -17,12 +17,14 @@ from numba import config, njit
 from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
 
+FILES_OF_KERNELS = ("step/*.py", "measure/pile.py", "measure/series_row.py", "march.py")
+
 
 @cache
 def source_digest():
-    """Digest of all files of the step: what is compiled into a kernel may stand in any of them."""
-    digest = sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    """Digest of all files with kernels: what is compiled into one may stand in any of them."""
+    digest, package = sha256(), Path(__file__).parents[1]
+    for path in sorted(file for pattern in FILES_OF_KERNELS for file in package.glob(pattern)):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -34,10 +36,15 @@ class KernelCache(FunctionCache):
     without the tables of the compiler, which take half a second to import; a miss loads them.
     """
 
-    def __init__(self, function):
+    def __init__(self, function, kind=""):
         super().__init__(function)
+        self._kind = kind
         # the index of another version is not even read: it may name classes that are gone
         self._cache_file._version = f"{numba_version}+{source_digest()}"
+
+    def _index_key(self, sig, codegen):
+        """Numba's own key pickles the kernels in a closure, anew in each process; the digest covers their files."""
+        return (sig, codegen.magic_tuple(), self._kind)
 
     def save_overload(self, sig, data):
         """Keep a kernel; one that the disk does not take is compiled again next time."""
@@ -61,10 +68,13 @@ def not_kept():
     return len(NOT_KEPT)
 
 
-def keep_on_disk(kernel, function):
-    """Let a kernel be kept on the disk, as does `cache=True`, where a folder can be written."""
+def keep_on_disk(kernel, function, kind=""):
+    """Let a kernel be kept on the disk, as does `cache=True`, where a folder can be written.
+
+    `kind` tells kernels apart that are made of one function.
+    """
     try:
-        kernel._cache = KernelCache(function)
+        kernel._cache = KernelCache(function, kind)
     except RuntimeError:  # Numba has no place for it
         NOT_KEPT.add(function.__name__)
 
@@ -92,6 +102,23 @@ def inner_jit(**options):
         return kernel
 
     return compiled
+
+
+KEPT = ("error_model", "inline")  # options that a kernel shares with its entry for Python
+
+
+def from_python(kernel):
+    """The same function with an entry for Python, compiled when it is first called."""
+    options = {name: kernel.targetoptions[name] for name in KEPT if name in kernel.targetoptions}
+    entry = njit(no_cfunc_wrapper=True, **options)(kernel.py_func)
+    if not config.DISABLE_JIT:
+        keep_on_disk(entry, kernel.py_func, "from Python")
+    return entry
+
+
+def is_kernel(function):
+    """Whether a function is compiled."""
+    return hasattr(function, "py_func")
 
 
 def _keep(overloads, made):

@@ -83,6 +83,7 @@ def bed_friction(
     weight_centre,
     e_centre,
     extra_friction,
+    bed_excess,
     geometry,
     material,
     gz,
@@ -92,7 +93,8 @@ def bed_friction(
 ):
     """Friction coefficients (nx + 1,) of the bed faces in Pa s/m, and their slip velocities in m/s.
 
-    `extra_friction` (nx, nz) is friction of the grains themselves, not of the bed.
+    `extra_friction` (nx, nz) is friction of the grains themselves, not of the bed; `bed_excess` (nx,) is added to
+    the friction of a bed that has any.
     """
     nx = pressure_filled.shape[0]
     k_bed[:] = 0.0
@@ -100,7 +102,7 @@ def bed_friction(
         if geometry.index_u[i, 0] < 0:
             bed_slip[i] = u[i, 0]
             continue
-        reaction = coverage = extra = shares = 0.0
+        reaction = coverage = extra = excess = shares = 0.0
         for cell in range(i - 1, min(i + 1, nx)):
             v = geometry.filled[cell, 0]
             if v > WET:
@@ -112,11 +114,13 @@ def bed_friction(
                 )
                 coverage += share * geometry.bed_cover[cell]
                 extra += share * extra_friction[cell, 0]
+                excess += share * bed_excess[cell]
                 shares += share
         extra = extra / shares if shares > 0.0 else 0.0
+        excess = excess / shares if shares > 0.0 and mu_bed > 0.0 else 0.0
         grains = with_extra_friction(material, extra)
         k_bed[i], slip = friction_coefficient(
-            abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed, grains
+            abs(u[i, 0]), 0.5 * dz, reaction, coverage, mu_bed + excess, grains
         )
         bed_slip[i] = math.copysign(slip, u[i, 0])
 

@@ -40,8 +40,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import copy, largest
 from .cell_transport import TRUSTED, transport_cells
 from .compiled import inner_jit, kernel_jit
+from .geometry import repeat
 from .rheology import inertial_number
 from .strain import shear_rate_centre
 
@@ -90,10 +92,11 @@ def extend(state, case, nx, nz):
     state.solid_fraction[nx:] = state.solid_fraction[:, nz:] = initial_fraction(case)
 
 
-def limit(state):
+@inner_jit()
+def limit(fields):
     """Longest step, s, in which no cell changes its volume by more than `CHANGE_PER_STEP`."""
-    fastest = np.abs(state.dilation_rate).max()
-    return CHANGE_PER_STEP / fastest if fastest > 0.0 else math.inf
+    fastest = largest(fields.dilation_rate)
+    return CHANGE_PER_STEP / fastest if fastest != 0.0 else math.inf
 
 
 @inner_jit()
@@ -197,14 +200,19 @@ def dilation_power(source, pressure_filled, geometry):
     return power
 
 
-def carry(state, aperture, phi_old, dt, dx, dz):
+@inner_jit()
+def carry(flow, dt):
     """The solid fraction has moved and expanded with the grains for dt (s); the surface has moved already."""
-    moved = transport_cells(
-        state.solid_fraction, state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
-    )
-    state.solid_fraction[:] = moved * (1.0 - state.dilation_rate * dt)
+    fraction, rate = flow.fields.solid_fraction, flow.fields.dilation_rate
+    transport_cells(fraction, flow, dt)
+    for i in range(fraction.shape[0]):
+        for k in range(fraction.shape[1]):
+            fraction[i, k] *= 1.0 - rate[i, k] * dt
+    repeat(flow.geometry, fraction)
 
 
-def finish(simulation, dt):
+@inner_jit()
+def finish(flow, dt):
     """The rate of dilation is that of the solve."""
-    simulation.state.dilation_rate[:] = simulation.work.response.source
+    copy(flow.fields.dilation_rate, flow.work.response.source)
+    repeat(flow.geometry, flow.fields.dilation_rate)

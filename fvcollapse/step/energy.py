@@ -11,10 +11,20 @@ width.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from .compiled import inner_jit, kernel_jit
 from .dilatancy import dilation_power
+from .flow import (
+    KINETIC,
+    LOSS_ADVECTION,
+    LOSS_SURFACE,
+    LOSS_TIME,
+    POTENTIAL,
+    WORK_BACK_WALL,
+    WORK_BED,
+    WORK_BULK,
+    WORK_GATE,
+    WORK_LATERAL,
+)
 from .geometry import MASS_FLOOR, last_face
 
 
@@ -41,13 +51,6 @@ class Loss(NamedTuple):
     time: float
     advection: float
     surface: float
-
-
-class Outflow(NamedTuple):
-    """Energy that left through an open end during the step, J/m."""
-
-    kinetic: float
-    potential: float
 
 
 @kernel_jit()
@@ -80,17 +83,19 @@ def friction_work(sink_x, sink_z, u, w, geometry):
     return power
 
 
-@kernel_jit()
-def impulse_work(impulse, u, w, geometry, least_mass, inertia):
-    """Power gained from a change of velocity `impulse` before the solve, summed over faces, Pa/s."""
+@inner_jit()
+def impulse_work(change_u, change_w, u, w, geometry):
+    """Mass times change of velocity times velocity after the solve, summed over faces; 0 without a change, (0, 0)."""
     power = 0.0
+    if change_u.size == 0:
+        return power
     for i in range(geometry.first, last_face(geometry)):
         for k in range(geometry.reach[i]):
             if geometry.index_u[i, k] >= 0:
-                power += max(geometry.mass_x[i, k], least_mass) * impulse[0][i, k] * u[i, k]
+                power += max(geometry.mass_x[i, k], MASS_FLOOR) * change_u[i, k] * u[i, k]
             if i < geometry.last and geometry.index_w[i, k] >= 0:
-                power += max(geometry.mass_z[i, k], least_mass) * impulse[1][i, k] * w[i, k]
-    return inertia * power
+                power += max(geometry.mass_z[i, k], MASS_FLOOR) * change_w[i, k] * w[i, k]
+    return power
 
 
 @kernel_jit()
@@ -109,12 +114,12 @@ def face_sums(mass, solved, start):
 
 
 @inner_jit()
-def bed_work(k_bed, bed_slip, u, geometry):
+def bed_work(k_bed, bed_drag, bed_slip, u, geometry):
     """Power of the friction of the bed over its slip, and over the velocity of the first faces, W/m2, summed."""
     slid = moved = 0.0
     for i in range(geometry.first, last_face(geometry)):
         if geometry.index_u[i, 0] >= 0:
-            force = k_bed[i] * u[i, 0]
+            force = k_bed[i] * u[i, 0] + bed_drag[i]
             slid += force * bed_slip[i]
             moved += force * u[i, 0]
     return slid, moved
@@ -139,86 +144,157 @@ def resisted_work(scratch, u, w, bed_slip, geometry, dx, dz):
     return (
         viscous_work(scratch.weight_centre, scratch.weight_node, u, w, geometry, dx, dz),
         friction_work(scratch.sink_x, scratch.sink_z, u, w, geometry),
-        bed_work(scratch.k_bed, bed_slip, u, geometry),
+        bed_work(scratch.k_bed, scratch.bed_drag, bed_slip, u, geometry),
         wall_work(scratch.k_wall, scratch.wall_slip, w, geometry),
     )
 
 
-def work_of_step(simulation, impulses, balance):
-    """Work of one step from the coefficients of its last nonlinear sweep.
+@inner_jit()
+def work_of_step(flow, impulse, balance):
+    """`Work` of one step from the coefficients of its last nonlinear sweep.
 
     Parameters
     ----------
-    simulation : Simulation
+    flow : Flow
         After the solve, before the velocity is continued beyond the surface.
-    impulses : list of Impulse
-        Changes of velocity before the solve.
+    impulse : Impulse
+        Change of velocity before the solve.
     balance : Balance
-
-    Returns
-    -------
-    Work
     """
-    scratch, state, geometry = simulation.work, simulation.state, simulation.geometry
-    dx, dz = simulation.spacing
-    u, w, dt = state.u, state.w, balance.dt
+    scratch, fields, geometry = flow.work, flow.fields, flow.geometry
+    dx, dz = flow.constants.dx, flow.constants.dz
+    u, w, dt = fields.u, fields.w, balance.dt
     volume = dx * dz
-    bulk, lateral, bed, wall = resisted_work(scratch, u, w, state.bed_slip, geometry, dx, dz)
+    bulk, lateral, bed, wall = resisted_work(scratch, u, w, fields.bed_slip, geometry, dx, dz)
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     bulk *= volume
-    if balance.response is not None and balance.response.dilatancy.factor > 0.0:
-        bulk -= volume * dilation_power(scratch.response.source, state.pressure_filled, geometry)
-    for impulse in impulses:
-        change = impulse.u, impulse.w
-        given = impulse_work(change, u, w, geometry, MASS_FLOOR, balance.density / dt)
-        if impulse.lateral:
-            lateral -= given
-        else:
-            bulk -= volume * given
+    bulk -= volume * work_of_dilation(balance.response, scratch, fields, geometry)
+    inertia = balance.density / dt
+    bulk -= volume * inertia * impulse_work(impulse.bulk_u, impulse.bulk_w, u, w, geometry)
+    lateral -= inertia * impulse_work(impulse.lateral_u, impulse.lateral_w, u, w, geometry)
     lateral *= volume
     bulk += dx * (bed[1] - bed[0]) + dz * (wall[1] - wall[0]) + gate_shear
     return Work(dt * bulk, dt * dx * bed[0], dt * dz * wall[0], dt * lateral, dt * gate)
 
 
+@inner_jit()
+def work_of_dilation(response, scratch, fields, geometry):
+    """Power of the pressure in expanding the grains, summed over cells, Pa/s; 0 where none dilate."""
+    if response is None:
+        return 0.0
+    if response.dilatancy.factor <= 0.0:
+        return 0.0
+    return dilation_power(scratch.response.source, fields.pressure_filled, geometry)
+
+
+@inner_jit()
 def gate_work(scratch, w, geometry, balance, dz):
     """Power that the gate takes from the grains, and that of the shear in the half cell beside it, W/m."""
-    column = balance.gate_column - 1
-    if balance.mu_gate == 0.0 or column < 0:
+    i = balance.gate_column - 1
+    slip = given = shear = 0.0
+    if balance.mu_gate == 0.0 or i < 0:
         return 0.0, 0.0
-    relative = np.where(geometry.index_w[column] >= 0, w[column] - balance.gate_speed, 0.0)
-    slip = dz * np.sum(scratch.k_gate * np.abs(relative) * scratch.gate_slip)
-    given = -dz * balance.gate_speed * np.sum(scratch.k_gate * relative)
-    return slip - given, dz * np.sum(scratch.k_gate * relative**2) - slip
+    for k in range(w.shape[1]):
+        if geometry.index_w[i, k] >= 0:
+            relative, friction = w[i, k] - balance.gate_speed, scratch.k_gate[k]
+            slip += dz * friction * abs(relative) * scratch.gate_slip[k]
+            given -= dz * balance.gate_speed * friction * relative
+            shear += dz * friction * relative**2
+    return slip - given, shear - slip
 
 
-def loss_of_step(simulation, energy_after, u_star, w_star, balance):
-    """What the discretisation took during one step.
+@inner_jit()
+def loss_of_step(flow, moved, potential, u_star, w_star, balance):
+    """`Loss`: what the discretisation took during one step.
 
     Parameters
     ----------
-    simulation : Simulation
+    flow : Flow
         After the solve; its `energy` is that before the step.
-    energy_after : dict
-        From `quantities.energies`, at the end of the step.
+    moved : Moved
+        What left through an open end.
+    potential : float
+        Potential energy at the end of the step, J/m.
     u_star, w_star : arrays
         Velocity after advection.
     balance : Balance
+    """
+    fields, geometry, energy = flow.fields, flow.geometry, flow.energy
+    cell = balance.density * flow.constants.dx * flow.constants.dz
+    change_x, carried_x, flow_x = face_sums(geometry.mass_x, fields.u, u_star)
+    change_z, carried_z, flow_z = face_sums(geometry.mass_z, fields.w, w_star)
+    gravity = balance.gx * flow_x + balance.gz * flow_z
+    released = energy[POTENTIAL] - potential - moved.potential_out
+    return Loss(
+        0.5 * cell * (change_x + change_z),
+        energy[KINETIC] - moved.kinetic_out - 0.5 * cell * (carried_x + carried_z),
+        released - cell * balance.dt * gravity,
+    )
+
+
+@inner_jit()
+def book_energy(flow, moved, u_star, w_star, impulse, balance):
+    """Book the energy of the step: work against each resistance, and what the discretisation took.
 
     Returns
     -------
-    Loss
+    (float, float)
+        Kinetic and potential energy after the solve, J/m.
     """
-    state, geometry, (dx, dz) = simulation.state, simulation.geometry, simulation.spacing
-    energy_before, outflow = simulation.energy, simulation.outflow
-    cell = balance.density * dx * dz
-    change_x, carried_x, flow_x = face_sums(geometry.mass_x, state.u, u_star)
-    change_z, carried_z, flow_z = face_sums(geometry.mass_z, state.w, w_star)
-    time = 0.5 * cell * (change_x + change_z)
-    carried = 0.5 * cell * (carried_x + carried_z)
-    gravity = balance.gx * flow_x + balance.gz * flow_z
-    released = energy_before["potential"] - energy_after["potential"] - outflow.potential
-    return Loss(
-        time,
-        energy_before["kinetic"] - outflow.kinetic - carried,
-        released - cell * balance.dt * gravity,
+    numbers = flow.fields.numbers
+    kinetic, potential = energies(flow)
+    work = work_of_step(flow, impulse, balance)
+    numbers[WORK_BULK] += work.bulk
+    numbers[WORK_BED] += work.bed
+    numbers[WORK_BACK_WALL] += work.back_wall
+    numbers[WORK_LATERAL] += work.lateral
+    numbers[WORK_GATE] += work.gate
+    loss = loss_of_step(flow, moved, potential, u_star, w_star, balance)
+    numbers[LOSS_TIME] += loss.time
+    numbers[LOSS_ADVECTION] += loss.advection
+    numbers[LOSS_SURFACE] += loss.surface
+    return kinetic, potential
+
+
+@inner_jit()
+def energies(flow):
+    """Kinetic and potential energy, J/m, with the face masses of the solver; the potential is zero at the origin."""
+    geometry, constants = flow.geometry, flow.constants
+    balance, dx, dz = constants.balance, constants.dx, constants.dz
+    x_moment, z_moment = first_moments(
+        geometry.filled, geometry.lever_x, geometry.lever_z, geometry.packing
     )
+    fall = balance.gx * dx * x_moment + balance.gz * dz * z_moment
+    return kinetic_energy(flow), -(balance.density * dx * dz) * fall
+
+
+@inner_jit()
+def kinetic_energy(flow):
+    """Kinetic energy per unit width, J/m."""
+    fields, geometry, constants = flow.fields, flow.geometry, flow.constants
+    squares = weighted_square(geometry.mass_x, fields.u)
+    squares += weighted_square(geometry.mass_z, fields.w)
+    return 0.5 * (constants.balance.density * constants.dx * constants.dz) * squares
+
+
+@inner_jit()
+def weighted_square(weight, values):
+    """Sum of weight * values^2 over two arrays of one shape."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            if weight[i, k] != 0.0:  # most cells are air
+                total += weight[i, k] * values[i, k] * values[i, k]
+    return total
+
+
+@inner_jit()
+def first_moments(filled, lever_x, lever_z, packing):
+    """Moments of the filled area, weighted by the packing, about the origin, in cells^2 dx and cells^2 dz."""
+    x_moment = z_moment = 0.0
+    for i in range(filled.shape[0]):
+        for k in range(filled.shape[1]):
+            if filled[i, k] > 0.0:
+                x_moment += packing[i, k] * (i * filled[i, k] + lever_x[i, k])
+                z_moment += packing[i, k] * (k * filled[i, k] + lever_z[i, k])
+    return x_moment, z_moment

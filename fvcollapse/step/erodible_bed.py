@@ -12,6 +12,8 @@ limits no time step. The layer must rest by itself: tan(slope) < mu_1 and mu_bed
 
 import numpy as np
 
+from .compiled import inner_jit
+
 SPEED_NEAR_END = 1.0e-3  # m/s; slower grains near the end of the domain are at rest
 
 
@@ -42,11 +44,19 @@ def join_layer(column, top, beyond, above_layer):
     return np.where(hidden, within, np.minimum(column, above_layer))
 
 
-def moves_near_end(state, geometry, columns):
+@inner_jit()
+def moves_near_end(fields, geometry, columns):
     """Whether grains of the last `columns` columns move."""
-    u = np.where(geometry.index_u >= 0, state.u, 0.0)[-columns:]
-    w = np.where(geometry.index_w >= 0, state.w, 0.0)[-columns:]
-    return max(np.abs(u).max(), np.abs(w).max()) > SPEED_NEAR_END
+    nx, nz = geometry.filled.shape
+    for i in range(nx + 1 - columns, nx + 1):
+        for k in range(nz):
+            if geometry.index_u[i, k] >= 0 and abs(fields.u[i, k]) > SPEED_NEAR_END:
+                return True
+    for i in range(nx - columns, nx):
+        for k in range(nz + 1):
+            if geometry.index_w[i, k] >= 0 and abs(fields.w[i, k]) > SPEED_NEAR_END:
+                return True
+    return False
 
 
 def extend_layer(state, added, thickness, z_nodes, dx):

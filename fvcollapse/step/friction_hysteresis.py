@@ -31,7 +31,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .cell_transport import TRUSTED, transport_cells
-from .compiled import kernel_jit
+from .compiled import inner_jit, kernel_jit
+from .geometry import repeat
 from .rheology import inertial_number
 from .strain import shear_rate_centre, strain_rates
 
@@ -65,36 +66,36 @@ def extend(state, case, nx, nz):
     state.settled_share[nx:] = state.settled_share[:, nz:] = 1.0
 
 
-def carry(state, aperture, phi_old, dt, dx, dz):
+@inner_jit()
+def carry(flow, dt):
     """The settled share has moved with the grains for dt (s); the surface has moved already."""
-    moved = transport_cells(
-        state.settled_share, state.u, state.w, aperture, phi_old, state.level_set, dt, dx, dz
-    )
-    state.settled_share[:] = np.clip(moved, 0.0, 1.0)
+    share = flow.fields.settled_share
+    transport_cells(share, flow, dt)
+    for i in range(share.shape[0]):
+        for k in range(share.shape[1]):
+            share[i, k] = min(max(share[i, k], 0.0), 1.0)
 
 
-def finish(simulation, dt):
-    """The contacts have settled or broken for dt (s) at the velocity of the solve."""
-    state, work, geometry = simulation.state, simulation.work, simulation.geometry
+@inner_jit()
+def finish(flow, dt, law):
+    """The contacts have settled or broken for dt (s) at the velocity of the solve, by a `FrictionHysteresis`."""
+    fields, work, geometry = flow.fields, flow.work, flow.geometry
+    constants = flow.constants
+    e_centre, g_node = work.e_centre, work.g_node
     strain_rates(
-        work.e_centre,
-        work.g_node,
-        state.u,
-        state.w,
-        state.bed_slip,
-        geometry,
-        *simulation.spacing,
+        e_centre, g_node, fields.u, fields.w, fields.bed_slip, geometry, constants.dx, constants.dz
     )
     settle(
-        state.settled_share,
-        work.e_centre,
-        work.g_node,
-        state.pressure_filled,
+        fields.settled_share,
+        e_centre,
+        g_node,
+        fields.pressure_filled,
         geometry,
-        simulation.response.hysteresis,
-        simulation.material.grain_scale,
+        law,
+        constants.material.grain_scale,
         dt,
     )
+    repeat(geometry, fields.settled_share)
 
 
 @kernel_jit()

@@ -39,6 +39,7 @@ def gate_lift(case):
     return Lift(case.gate.speed, case.gate.time_constant, delay, layer_thickness(case))
 
 
+@kernel_jit()
 def gate_height(time, lift):
     """Height of the gate's lower edge above the bed at `time`, m."""
     since = time - lift.delay
@@ -52,6 +53,7 @@ def gate_height(time, lift):
     return lift.foot + lift.speed * (since + start_up)
 
 
+@kernel_jit()
 def gate_velocity(time, lift):
     """Velocity of the gate at `time`, m/s; 0 when it is gone."""
     since = time - lift.delay
@@ -71,6 +73,7 @@ def open_fractions(aperture, height, column, dz):
             aperture[column, k] = rise if rise >= 1e-9 else 0.0
 
 
+@inner_jit()
 def hold_at_gate(speed, level_set, aperture, column):
     """Set the speed of the nodes between closed gate and grains to zero, in place: no correction may move that face.
 
@@ -84,8 +87,9 @@ def hold_at_gate(speed, level_set, aperture, column):
         Of the gate; negative without one.
     """
     if column > 0:
-        shut = (aperture[column] == 0.0) & (level_set[column - 1, :-1] < 0.0)
-        speed[column, :-1][shut] = 0.0
+        for k in range(aperture.shape[1]):
+            if aperture[column, k] == 0.0 and level_set[column - 1, k] < 0.0:
+                speed[column, k] = 0.0
 
 
 @inner_jit()

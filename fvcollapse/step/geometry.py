@@ -228,6 +228,13 @@ def repeat_columns(field, first, last):
                 field[i, k] = field[same, k]
 
 
+@inner_jit()
+def repeat(geometry, field):
+    """The halo of a periodic stretch repeats a field, in place."""
+    if geometry.first > 0:
+        repeat_columns(field, geometry.first, geometry.last)
+
+
 def cell_fractions(level_set):
     """Filled fraction of each cell, (nx, nz), from the node level set, with no gate."""
     nx, nz = level_set.shape[0] - 1, level_set.shape[1] - 1

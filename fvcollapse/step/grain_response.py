@@ -1,13 +1,13 @@
 """What effects make the grains do beyond the local law at fixed density: the one hook of the solve.
 
-Dilatancy, friction hysteresis and nonlocal fluidity change the coefficients of a nonlinear sweep:
+Dilatancy, friction hysteresis, thin layers and nonlocal fluidity change the coefficients of a nonlinear sweep:
 
-* the friction coefficient of every cell, by `extra_friction` (all three);
+* the friction coefficient of every cell, by `extra_friction` (all four), and of the bed (thin layers);
 * the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy).
 
 They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
-tan(psi); nonlocal fluidity, which makes the law with these two nonlocal. `Response.active` is false
-without them, and then nothing here is called.
+tan(psi); thin layers, whose friction is that of mu_stop at least; nonlocal fluidity, which makes the law with these
+nonlocal. `Response.present` is false without them, and then nothing here is called.
 """
 
 from typing import NamedTuple
@@ -17,28 +17,37 @@ import numpy as np
 from .arrays import copy
 from .compiled import inner_jit, kernel_jit
 from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate
+from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
-from .nonlocal_fluidity import cooperate, nonlocal_length
 from .rheology import ETA_FLOOR
 from .strain import mean_square, shear_rate_centre, shear_rate_from
+from .thin_layer import ThinLayer, strengthen, thin_layer_law
+
+ANSWERING = (
+    "dilatancy",
+    "friction_hysteresis",
+    "thin_layer",
+    "nonlocal",
+)  # effects that answer the sweeps
 
 
 class Response(NamedTuple):
-    """Laws of the effects; `active` says whether any of them has a strength, `length` is A d in m."""
+    """Laws of the effects; `present` says whether any of them is on."""
 
-    active: bool
+    present: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
-    length: float
+    thin: ThinLayer
+    cooperation: Cooperation
 
 
 class ResponseWork(NamedTuple):
     """Scratch arrays (nx, nz) of the effects; all zero while they are off.
 
-    solid_fraction and settled_friction are set before the solve; share (1,) is how far a sweep
-    moves source and friction towards their new values. `local_friction` is `extra_friction` before
-    the nonlocal law.
+    bed_excess (nx,) is what thin layers add to the friction of a bed on which grains slide. solid_fraction
+    and settled_friction are set before the solve; share (1,) is how far a sweep moves source and friction
+    towards their new values. `local_friction` is `extra_friction` before thin layers and the nonlocal law.
     """
 
     source: np.ndarray
@@ -48,31 +57,39 @@ class ResponseWork(NamedTuple):
     settled_friction: np.ndarray
     solid_fraction: np.ndarray
     fluidity: np.ndarray
+    bed_excess: np.ndarray
     share: np.ndarray
 
 
 def response_of(case):
     """`Response` of a case."""
-    dilatancy, hysteresis, length = dilatancy_law(case), hysteresis_law(case), nonlocal_length(case)
-    active = dilatancy.factor > 0.0 or hysteresis.delta_mu > 0.0 or length > 0.0
-    return Response(active, dilatancy, hysteresis, length)
+    dilatancy, hysteresis, thin = dilatancy_law(case), hysteresis_law(case), thin_layer_law(case)
+    cooperation = cooperation_law(case, thin)
+    present = any(getattr(case.effects, name) is not None for name in ANSWERING)
+    return Response(present, dilatancy, hysteresis, thin, cooperation)
 
 
 def allocate_response(nx, nz):
     """Scratch arrays for an nx by nz grid."""
-    return ResponseWork(*(np.zeros((nx, nz)) for _ in range(7)), np.ones(1))
+    return ResponseWork(*(np.zeros((nx, nz)) for _ in range(7)), np.zeros(nx), np.ones(1))
 
 
 # -- once a step ---------------------------------------------------------------------------------
 
 
-def prepare_response(work, state, response):
+@inner_jit()
+def prepare_response(work, fields, response):
     """Hand the fields of the state to the solve; nothing of the last step is left to relax from."""
+    if response is None:
+        return
     work.local_friction[:] = 0.0
-    if state.solid_fraction is not None:
-        work.solid_fraction[:] = state.solid_fraction
-    if state.settled_share is not None:
-        work.settled_friction[:] = response.hysteresis.delta_mu * state.settled_share
+    work.fluidity[:] = 0.0
+    if fields.solid_fraction.size > 0:
+        copy(work.solid_fraction, fields.solid_fraction)
+    share, friction = fields.settled_share, work.settled_friction
+    for i in range(share.shape[0]):
+        for k in range(share.shape[1]):
+            friction[i, k] = response.hysteresis.delta_mu * share[i, k]
 
 
 # -- once a sweep --------------------------------------------------------------------------------
@@ -125,7 +142,19 @@ def respond(
     else:
         copy(work.local_friction, work.settled_friction)
     copy(work.extra_friction, work.local_friction)
-    if response.length > 0.0:
+    if response.thin.length > 0.0:
+        strengthen(
+            work.extra_friction,
+            work.bed_excess,
+            e_centre,
+            g_node,
+            pressure_filled,
+            geometry,
+            material,
+            response.thin,
+            dz,
+        )
+    if response.cooperation.length > 0.0:
         cooperate(
             work.extra_friction,
             work.fluidity,
@@ -134,7 +163,7 @@ def respond(
             pressure_filled,
             geometry,
             material,
-            response.length,
+            response.cooperation,
             dx,
             dz,
         )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .arrays import copy, largest
 from .compiled import inner_jit, kernel_jit
 from .geometry import cell_moments
 
@@ -50,6 +51,7 @@ def volume(level_set, aperture, packing, reach):
     return total
 
 
+@inner_jit()
 def hold_volume(phi, aperture, speed, packing, target, h):
     """Correct the filled area to `target` (cells) in proportion to the speed; return the volume added, cells.
 
@@ -73,16 +75,20 @@ def hold_volume(phi, aperture, speed, packing, target, h):
     h : float
         Cell size, m.
     """
-    fastest = speed.max()
+    fastest = largest(speed)
     if fastest == 0.0:
         return 0.0
-    moved = phi.copy()
-    shift = SHIFT_MOST * h
-    added, missing = correct_volume(phi, aperture, speed / fastest, packing, target, shift)
+    moved, mobility = phi.copy(), np.empty_like(speed)
+    for i in range(phi.shape[0]):
+        for k in range(phi.shape[1]):
+            mobility[i, k] = speed[i, k] / fastest
+    added, missing = correct_volume(phi, aperture, mobility, packing, target, SHIFT_MOST * h)
     if abs(missing) > VOLUME_TOLERANCE * target:
-        phi[:] = moved
-        mobility = np.minimum(speed / (MOVING * fastest), 1.0)
-        mobility *= np.linspace(1.0, 1.0 - RAMP, phi.shape[0])[:, None]
+        copy(phi, moved)
+        for i in range(phi.shape[0]):
+            share = 1.0 - RAMP * i / (phi.shape[0] - 1)
+            for k in range(phi.shape[1]):
+                mobility[i, k] = share * min(mobility[i, k] / MOVING, 1.0)
         added, _ = correct_volume(phi, aperture, mobility, packing, target, LAST_SHIFT * h)
     return added
 

@@ -25,17 +25,19 @@ energy is not bounded.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.case.limits import CELLS_MAX, STEPS_MAX
-from fvcollapse.errors import LimitReached, NumericalError
+from fvcollapse.errors import LimitReached
 
+from .compiled import inner_jit
 from .erodible_bed import layer_thickness
-from .gate import gate_lift, gate_velocity
+from .flow import ENERGY_OUTFLOW, KINETIC, POTENTIAL, TIME, VOLUME_0, VOLUME_OUTFLOW, WORK_GATE
+from .gate import gate_velocity
 
-WATCHED = ("relative_volume", "max_speed")  # the series that the guards read
 VOLUME_LIMIT = 0.1  # of the volume at the start
 SPEED_LIMIT = 3.0  # of the speed of free fall
 ENERGY_LIMIT = (
@@ -43,108 +45,118 @@ ENERGY_LIMIT = (
 )
 
 
-class Guards:
-    """The laws that every step of a run must keep.
+NO_LAW, VOLUME, MASS, SPEED, ENERGY = range(5)  # the laws
+
+
+class Watch(NamedTuple):
+    """The constants of the guards: `height` of the column, m; `rubs`: whether the gate drags grains along."""
+
+    start_energy: float
+    sine: float
+    cosine: float
+    height: float
+    rubs: bool
+
+
+def watch_of(case, start_energy):
+    """The `Watch` of a resolved case that starts with this kinetic and potential energy (J/m)."""
+    slope, gate = math.radians(case.geometry.slope_angle_deg), case.effects.gate
+    height = case.geometry.height_max + layer_thickness(case)
+    rubs = gate is not None and gate.mu_gate > 0.0
+    return Watch(float(start_energy), math.sin(slope), math.cos(slope), height, rubs)
+
+
+@inner_jit()
+def broken_law(flow, watch, relative_volume, speed):
+    """The law that a state breaks, with the value and the limit of what it breaks; (`NO_LAW`, 0, 0) if none.
 
     Parameters
     ----------
-    case : Case
-        Its effects on keys applied (`Case.resolved`).
-    start_energy : float
-        Kinetic and potential energy at t = 0, J/m.
+    flow : Flow
+        After a step.
+    watch : Watch
+    relative_volume : float
+        Drift of the volume since the start.
+    speed : float
+        Largest one, m/s.
     """
+    drift, law = relative_volume, VOLUME
+    if flow.fields.solid_fraction.size > 0:
+        drift, law = mass_drift(flow), MASS
+    if not abs(drift) <= VOLUME_LIMIT:  # true for NaN
+        return law, drift, VOLUME_LIMIT
+    most = SPEED_LIMIT * math.sqrt(2.0 * GRAVITY * drop(flow, watch))
+    if watch.rubs:
+        most = max(most, gate_velocity(flow.fields.numbers[TIME], flow.constants.lift))
+    if not speed <= most:
+        return SPEED, speed, most
+    gained = energy_gained(flow, watch)
+    if not gained <= ENERGY_LIMIT:
+        return ENERGY, gained, ENERGY_LIMIT
+    return NO_LAW, 0.0, 0.0
 
-    def __init__(self, case, start_energy):
-        self.case, self.start_energy, self.lift = case, start_energy, gate_lift(case)
-        slope = math.radians(case.geometry.slope_angle_deg)
-        self.sine, self.cosine = math.sin(slope), math.cos(slope)
-        self.height = case.geometry.height_max + layer_thickness(case)
-        self.periodic = case.boundary.ends == "periodic"
 
-    def check(self, simulation, row):
-        """Refuse a state that breaks a law.
+@inner_jit()
+def mass_drift(flow):
+    """Drift of the mass of grains that dilate, relative to that of the start."""
+    geometry, constants, numbers = flow.geometry, flow.constants, flow.fields.numbers
+    here = 0.0
+    for i in range(geometry.filled.shape[0]):
+        for k in range(geometry.filled.shape[1]):
+            here += geometry.filled[i, k] * geometry.packing[i, k]
+    here *= constants.dx * constants.dz / constants.packing_0
+    return (here + numbers[VOLUME_OUTFLOW]) / numbers[VOLUME_0] - 1.0
 
-        Parameters
-        ----------
-        simulation : Simulation
-            After a step.
-        row : dict
-            Values at this moment of the series `WATCHED`.
 
-        Raises
-        ------
-        NumericalError
-            Names the law, the place of the fastest grains and the time.
-        """
-        broken = (
-            self.broken_volume(simulation, row["relative_volume"])
-            or self.broken_speed(simulation, row["max_speed"])
-            or self.broken_energy(simulation)
-        )
-        if broken:
-            raise NumericalError(broken, fastest_place(simulation), simulation.state.time)
+@inner_jit()
+def drop(flow, watch):
+    """Height from the top of the column to the lowest grains, m; in a periodic stretch that of the free slide."""
+    geometry = flow.geometry
+    if geometry.first > 0:
+        run = 0.5 * GRAVITY * watch.sine * flow.fields.numbers[TIME] ** 2
+    else:
+        last = geometry.reach.size
+        while last > 0 and geometry.reach[last - 1] == 0:
+            last -= 1
+        run = last * flow.constants.dx
+    return watch.height * watch.cosine + run * watch.sine
 
-    def broken_volume(self, simulation, relative_volume):
-        """What is wrong with the mass; "" if nothing is."""
-        drift, what = relative_volume, "volume"
-        state = simulation.state
-        if state.solid_fraction is not None:
-            geometry, what = simulation.geometry, "mass"
-            here = np.sum(geometry.filled * geometry.packing) * math.prod(simulation.spacing)
-            drift = (here / simulation.packing_0 + state.volume_outflow) / state.volume_0 - 1.0
-        if abs(drift) <= VOLUME_LIMIT:  # false for NaN
-            return ""
-        limit = f"{100 * VOLUME_LIMIT:g} %"
-        return f"guard on the {what}: it has drifted by {100 * drift:+.3g} % (limit {limit})"
 
-    def broken_speed(self, simulation, speed):
-        """What is wrong with the largest speed (m/s); "" if nothing is."""
-        fall = math.sqrt(2.0 * GRAVITY * self.drop(simulation))
-        limit = max(SPEED_LIMIT * fall, self.gate_speed(simulation.state.time))
-        if speed <= limit:
-            return ""
-        return f"guard on the speed: {speed:.3g} m/s, {speed / fall:.3g} times free fall (limit {limit:.3g} m/s)"
+@inner_jit()
+def energy_gained(flow, watch):
+    """Energy gained, over that which lifted the column and that its fall has released; 0 in a periodic stretch."""
+    if flow.geometry.first > 0:
+        return 0.0
+    numbers, potential = flow.fields.numbers, flow.energy[POTENTIAL]
+    energy = flow.energy[KINETIC] + potential + numbers[ENERGY_OUTFLOW] + numbers[WORK_GATE]
+    density = flow.constants.balance.density
+    lifted = 0.5 * density * GRAVITY * watch.height * numbers[VOLUME_0]
+    released = watch.start_energy - potential - numbers[ENERGY_OUTFLOW]
+    return (energy - watch.start_energy) / (lifted + max(released, 0.0))
 
-    def broken_energy(self, simulation):
-        """What is wrong with the energy; "" if nothing is."""
-        if self.periodic:
-            return ""
-        state = simulation.state
-        energy = sum(simulation.energy.values()) + state.energy_outflow + state.work_gate
-        density = self.case.rheology.density_bulk
-        lifted = 0.5 * density * GRAVITY * self.height * state.volume_0
-        released = self.start_energy - simulation.energy["potential"] - state.energy_outflow
-        scale = lifted + max(released, 0.0)
-        gained = energy - self.start_energy
-        if gained <= ENERGY_LIMIT * scale:
-            return ""
-        share = f"{100 * gained / scale:.3g} %"
+
+def broken_words(law, value, limit):
+    """What a broken law says."""
+    if law in (VOLUME, MASS):
+        what = "volume" if law == VOLUME else "mass"
         return (
-            f"guard on the energy: gained {share} of the energy that lifted the column and that its fall has "
-            f"released (limit {100 * ENERGY_LIMIT:g} %)"
+            f"guard on the {what}: it has drifted by {100 * value:+.3g} % (limit {100 * limit:g} %)"
         )
-
-    def drop(self, simulation):
-        """Height from the top of the column to the lowest grains, m."""
-        if self.periodic:
-            run = 0.5 * GRAVITY * self.sine * simulation.state.time**2
-        else:
-            columns = np.flatnonzero(simulation.geometry.reach)
-            run = (columns[-1] + 1) * simulation.spacing[0] if columns.size else 0.0
-        return self.height * self.cosine + run * self.sine
-
-    def gate_speed(self, time):
-        """Speed to which a rubbing gate may drag the grains, m/s."""
-        effect = self.case.effects.gate
-        if effect is None or effect.mu_gate == 0.0:
-            return 0.0
-        return gate_velocity(time, self.lift)
+    if law == SPEED:
+        fall = value / limit * SPEED_LIMIT
+        return f"guard on the speed: {value:.3g} m/s, {fall:.3g} times free fall (limit {limit:.3g} m/s)"
+    return (
+        f"guard on the energy: gained {100 * value:.3g} % of the energy that lifted the column and that its fall "
+        f"has released (limit {100 * limit:g} %)"
+    )
 
 
 def fastest_place(simulation):
     """Where the grains are fastest, in words."""
     dx, dz = simulation.spacing
     speed = np.where(simulation.geometry.index_u >= 0, np.abs(simulation.state.u), -1.0)
+    if np.isnan(speed).all():
+        return "nowhere in particular"
     i, k = np.unravel_index(np.nanargmax(speed), speed.shape)
     return f"the fastest grains at x = {i * dx:.3g} m, z = {(k + 0.5) * dz:.3g} m"
 

@@ -26,10 +26,9 @@ import math
 
 import numpy as np
 
-from .arrays import total
+from .arrays import copy, subtract, total
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, WET
-from .terms import Impulse
 
 
 def sink_constants(walls, channel_width):
@@ -107,17 +106,25 @@ def sink_coefficients(sink_x, sink_z, u, w, pressure_x, pressure_z, geometry, st
                 sink_z[i, k] = strength * pressure_z[i, k] / math.sqrt(speed**2 + slip_min**2)
 
 
+@inner_jit()
+def _wet_pressure(pressure_filled, geometry, i, k):
+    """Filled fraction times pressure of a cell, 0 in an empty one; Pa."""
+    return pressure_filled[i, k] if geometry.filled[i, k] > WET else 0.0
+
+
 @kernel_jit()
 def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, least_mass, dx, dz):
     """u_new = u + dt (g - grad p / rho) at the unknown faces, unchanged elsewhere; p of the last step."""
     nx, nz = pressure_filled.shape
-    wet = np.where(geometry.filled > WET, pressure_filled, 0.0)
     scale_x, scale_z = 1.0 / (balance.density * dx), 1.0 / (balance.density * dz)
-    u_new[:], w_new[:] = u, w
+    copy(u_new, u)
+    copy(w_new, w)
     for i in range(1, nx + 1):
         for k in range(nz):
             if geometry.index_u[i, k] >= 0:
-                jump = geometry.aperture[i, k] * (wet[i - 1, k] - (wet[i, k] if i < nx else 0.0))
+                ahead = _wet_pressure(pressure_filled, geometry, i, k) if i < nx else 0.0
+                jump = _wet_pressure(pressure_filled, geometry, i - 1, k) - ahead
+                jump *= geometry.aperture[i, k]
                 mass = geometry.mass_x[i, k]
                 u_new[i, k] += (
                     balance.dt * (balance.gx * mass + jump * scale_x) / max(mass, least_mass)
@@ -126,10 +133,10 @@ def predict_velocity(u_new, w_new, u, w, pressure_filled, geometry, balance, lea
         for k in range(1, nz):
             if geometry.index_w[i, k] >= 0:
                 mass = geometry.mass_z[i, k]
+                jump = _wet_pressure(pressure_filled, geometry, i, k - 1)
+                jump -= _wet_pressure(pressure_filled, geometry, i, k)
                 w_new[i, k] += (
-                    balance.dt
-                    * (balance.gz * mass + (wet[i, k - 1] - wet[i, k]) * scale_z)
-                    / max(mass, least_mass)
+                    balance.dt * (balance.gz * mass + jump * scale_z) / max(mass, least_mass)
                 )
 
 
@@ -151,7 +158,8 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
         Floor of the face masses, as in the inertia of the solve.
     """
     nx, nz = w.shape[0], u.shape[1]
-    u_new[:], w_new[:] = u, w
+    copy(u_new, u)
+    copy(w_new, w)
     for i in range(nx + 1):
         for k in range(nz):
             if geometry.index_u[i, k] >= 0:
@@ -166,34 +174,55 @@ def apply_split(u_new, w_new, u, w, pressure_x, pressure_z, geometry, impulse, l
                 w_new[i, k] *= 1.0 - loss / speed if loss < speed else 0.0
 
 
-def before_solve(simulation, u_star, w_star, balance):
-    """Return the friction impulse of the split form; the solve then has no sink of its own. None where it has."""
-    walls = simulation.case.effects.lateral_friction
-    if balance.wall_strength == 0.0 or walls.scheme != "split":
-        return None, balance
-    work, geometry, (dx, dz) = simulation.work, simulation.geometry, simulation.spacing
-    pressure_filled = simulation.state.pressure_filled
-    free = np.empty_like(u_star), np.empty_like(w_star)
-    braked = np.empty_like(u_star), np.empty_like(w_star)
-    predict_velocity(*free, u_star, w_star, pressure_filled, geometry, balance, MASS_FLOOR, dx, dz)
+@inner_jit()
+def before_solve(flow, impulse, u_star, w_star, balance):
+    """Put the friction of the split form into the lateral part of `impulse`; the solve then has no sink of its own.
+
+    Parameters
+    ----------
+    flow : Flow
+    impulse : Impulse
+        Changed in place.
+    u_star, w_star : arrays
+        Velocity after advection, m/s.
+    balance : Balance
+    """
+    work, geometry, fields = flow.work, flow.geometry, flow.fields
+    dx, dz = flow.constants.dx, flow.constants.dz
+    free_u, free_w = np.empty_like(u_star), np.empty_like(w_star)
+    predict_velocity(
+        free_u,
+        free_w,
+        u_star,
+        w_star,
+        fields.pressure_filled,
+        geometry,
+        balance,
+        MASS_FLOOR,
+        dx,
+        dz,
+    )
     face_pressures(
         work.pressure_x,
         work.pressure_z,
-        pressure_filled,
+        fields.pressure_filled,
         geometry,
         balance.wall_deep_ratio,
         balance.wall_weakening_depth,
         dz,
     )
     apply_split(
-        *braked,
-        *free,
+        impulse.lateral_u,
+        impulse.lateral_w,
+        free_u,
+        free_w,
         work.pressure_x,
         work.pressure_z,
         geometry,
         balance.dt * balance.wall_strength / balance.density,
         MASS_FLOOR,
     )
-    work.sink_x[:] = work.sink_z[:] = 0.0
-    impulse = Impulse(braked[0] - free[0], braked[1] - free[1], lateral=True)
-    return impulse, balance._replace(wall_strength=0.0)
+    subtract(impulse.lateral_u, free_u)
+    subtract(impulse.lateral_w, free_w)
+    work.sink_x[:] = 0.0
+    work.sink_z[:] = 0.0

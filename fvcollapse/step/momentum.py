@@ -246,7 +246,21 @@ def transport_component(moved, start, slip, passages, di, shape_factor):
 
 @kernel_jit()
 def advect_momentum(
-    u_star, w_star, u, w, bed_slip, aperture, phi_old, phi_new, packing, dt, dx, dz, shape_factor
+    u_star,
+    w_star,
+    u,
+    w,
+    carrier_u,
+    carrier_w,
+    bed_slip,
+    aperture,
+    phi_old,
+    phi_new,
+    packing,
+    dt,
+    dx,
+    dz,
+    shape_factor,
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 
@@ -255,7 +269,9 @@ def advect_momentum(
     u_star, w_star : arrays like u, w
         Result, m/s.
     u, w : (nx + 1, nz), (nx, nz + 1) arrays
-        Velocity, continued beyond the surface, m/s.
+        Velocity that is carried, continued beyond the surface, m/s.
+    carrier_u, carrier_w : arrays like u, w
+        Velocity that carries it, m/s.
     bed_slip : (nx + 1,) array
         Slip velocity of the bed, m/s.
     aperture : (nx + 1, nz) array
@@ -278,8 +294,8 @@ def advect_momentum(
         across_u,
         along_w,
         across_w,
-        u,
-        w,
+        carrier_u,
+        carrier_w,
         aperture,
         phi_old,
         phi_new,
@@ -293,7 +309,7 @@ def advect_momentum(
     for k in range(nz):
         wetted = wetted_edge(phi_old[nx, k], phi_old[nx, k + 1])
         wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
-        end_u[k] = 0.5 * wetted * aperture[nx, k] * u[nx, k] * dt / dx * packing[nx - 1, k]
+        end_u[k] = 0.5 * wetted * aperture[nx, k] * carrier_u[nx, k] * dt / dx * packing[nx - 1, k]
     passages = list_passages(along_u, across_u, end_u, mass_u, reach, 1, 0)
     transport_component(u_star, u, bed_slip, passages, 1, shape_factor)
     passages = list_passages(along_w, across_w, across_w[nx], mass_w, reach, 0, 1)

@@ -17,7 +17,9 @@ Discretisation: one value per wet cell; the factor c = mu/mu_loc = shear_rate / 
 friction coefficient by (c - 1) mu_loc, at nodes by the mean of the cells. The shear rate is the
 regularised one of the law, so that g > 0. Everything is implicit: no limit on the time step. A d is
 a fraction of a millimetre, so cells must be about a millimetre before xi is resolved, except
-close to yield; on coarser cells the effect is that of the mean over a cell.
+close to yield; on coarser cells the effect is that of the mean over a cell. A rough bed (`thin_layer`)
+holds the fluidity at zero, half a cell below the lowest centre or half the filled height of that cell.
+The fluidity is solved by `fluidity_relaxation` where cells are no finer than A d, else by elimination.
 
 References
 ----------
@@ -25,17 +27,12 @@ Kamrin & Koval (2012), Phys. Rev. Lett. 108, 178301; Henann & Kamrin (2014), Phy
 178001.
 """
 
-import math
-
 import numpy as np
 
+from .arrays import copy
 from .banded import factorise, new_system, solve_factorised
 from .compiled import inner_jit, kernel_jit
-from .geometry import WET
-from .rheology import effective_viscosity, with_extra_friction
-from .strain import shear_rate_centre
-
-PRESSURE_MIN = 1.0  # Pa, a tenth of a layer of grains; below it mu_loc is that at this pressure
+from .geometry import WET, repeat
 
 
 def nonlocal_length(case):
@@ -50,9 +47,11 @@ def start(state, case):
         state.fluidity = np.zeros(state.pressure_filled.shape)
 
 
-def finish(simulation, dt):
+@inner_jit()
+def finish(flow, dt):
     """The fluidity is that of the solve."""
-    simulation.state.fluidity[:] = simulation.work.response.fluidity
+    copy(flow.fields.fluidity, flow.work.response.fluidity)
+    repeat(flow.geometry, flow.fields.fluidity)
 
 
 @inner_jit()
@@ -96,8 +95,16 @@ def _couple(band, a, b, strength):
     band[min(a, b), abs(a - b)] -= strength
 
 
+@inner_jit()
+def bed_hold(geometry, i, k, rough):
+    """Pull of a rough bed on the fluidity of cell (i, k), in units of (length/dz)^2; 0 off the bed."""
+    if not rough or k > 0:
+        return 0.0
+    return 2.0 * geometry.bed_cover[i] / geometry.filled[i, k]
+
+
 @kernel_jit()
-def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
+def fluidity(g, shear_rate, mu, geometry, length, rough, dx, dz):
     """Fluidity g (nx, nz) of the wet cells, 1/s: mu g - length^2 lap g = shear_rate; 0 elsewhere.
 
     Parameters
@@ -109,6 +116,8 @@ def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
     geometry : Geometry
     length : float
         A d, m.
+    rough : bool
+        Whether g = 0 on the bed; else no flux goes through it.
     """
     nx, nz = g.shape
     index = np.empty((nx, nz), np.int64)
@@ -132,7 +141,7 @@ def fluidity(g, shear_rate, mu, geometry, length, dx, dz):
             a, v = index[i, k], geometry.filled[i, k]
             if a < 0:
                 continue
-            band[a, 0] += mu[i, k] * v
+            band[a, 0] += mu[i, k] * v + bed_hold(geometry, i, k, rough) * (length / dz) ** 2
             rhs[a] = shear_rate[i, k] * v
             b = neighbour(index, geometry, i, k, True)
             if b >= 0 and b != a:
@@ -158,28 +167,3 @@ def _spread(g, solution, index, geometry):
         for k in range(g.shape[1]):
             a = index[source, k]
             g[i, k] = solution[a] if a >= 0 else 0.0
-
-
-@inner_jit()
-def cooperate(friction, g, e_centre, g_node, pressure_filled, geometry, material, length, dx, dz):
-    """Change the extra friction (nx, nz) of every wet cell, in place, from the local to the nonlocal law.
-
-    The fluidity goes to `g` (nx, nz), 1/s.
-    """
-    nx, nz = friction.shape
-    rates, mu = np.zeros((nx, nz)), np.ones((nx, nz))
-    for i in range(nx):
-        for k in range(geometry.reach[i]):
-            v = geometry.filled[i, k]
-            if v <= WET:
-                continue
-            rate = shear_rate_centre(e_centre, g_node, i, k)
-            p = max(pressure_filled[i, k] / v, PRESSURE_MIN)
-            grains = with_extra_friction(material, friction[i, k])
-            rates[i, k] = math.sqrt(rate**2 + material.shear_rate_min**2)
-            mu[i, k] = effective_viscosity(rate, p, grains) * rates[i, k] / p  # eta becomes p/g
-    fluidity(g, rates, mu, geometry, length, dx, dz)
-    for i in range(nx):
-        for k in range(geometry.reach[i]):
-            if geometry.filled[i, k] > WET:
-                friction[i, k] += rates[i, k] / g[i, k] - mu[i, k]

@@ -103,7 +103,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
 
     Parameters
     ----------
-    state : State
+    state : Fields
         In: first guess, pressure of the last step; out: solution on the unknown faces and in the
         wet cells.
     work : Work
@@ -138,6 +138,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
             balance,
             dx,
             dz,
+            False,
         )
         momentum = assemble_momentum(work, band, rhs, u_star, w_star, geometry, balance, dx, dz)
         bulk = CHI * work.weight_centre[wet]
@@ -150,7 +151,7 @@ def solve(state, work, ends, u_star, w_star, geometry, material, balance, dx, dz
         pressure[wet] += increment - bulk * div_predicted
         if geometry.first > 0:
             repeat_columns(pressure, geometry.first, geometry.last)
-        change, largest = take_solution(u, w, velocity, geometry)
+        change, largest = take_solution(u, w, velocity, geometry, 0.0)
         change /= max(largest, balance.speed_scale)
         converged = sweep > 0 and rate <= material.shear_rate_min and change < balance.tolerance
         if converged or not change < 1.0e6:

@@ -1,10 +1,11 @@
-"""What the solver knows at the cell centres, and the energies; computed for output, never fed back."""
+"""What the solver knows at the cell centres; computed for output, never fed back."""
 
 import math
 
 import numpy as np
 
-from .compiled import kernel_jit
+from .compiled import inner_jit, kernel_jit
+from .flow import DT
 from .geometry import WET
 from .grain_response import allocate_response, prepare_response, respond
 from .ill_posedness import is_ill_posed
@@ -27,7 +28,7 @@ def local_slopes(shear_rate, pressure, material):
     return exponent, rise / (2.0 * step * pressure)
 
 
-@kernel_jit()
+@inner_jit()
 def fill_quantities(
     pressure,
     shear_rate,
@@ -60,31 +61,15 @@ def fill_quantities(
                     ill_posed[i, k] = is_ill_posed(exponent, slope)
 
 
-def cell_quantities(state, geometry, material, response, dx, dz):
-    """Fields at the cell centres, zero outside the grains.
-
-    Parameters
-    ----------
-    state : State
-    geometry : Geometry
-    material : Material
-    response : Response
-    dx, dz : float
-        m.
-
-    Returns
-    -------
-    dict of (nx, nz) arrays
-        filled_fraction (-), pressure (Pa), shear_rate (1/s), viscosity (Pa s), inertial_number (-,
-        0 without pressure), ill_posed (bool).
-    """
-    shape = state.pressure_filled.shape
-    e_centre, g_node = np.zeros(shape), np.zeros((shape[0] + 1, shape[1] + 1))
-    strain_rates(e_centre, g_node, state.u, state.w, state.bed_slip, geometry, dx, dz)
-    pressure, shear_rate, viscosity, inertial = (np.zeros(shape) for _ in range(4))
-    ill_posed = np.zeros(shape, np.bool_)
-    rates, spacing = (e_centre, g_node), (dx, dz)
-    extra_friction = extra_friction_of(state, rates, geometry, material, response, spacing)
+@kernel_jit()
+def fill_from_flow(
+    pressure, shear_rate, viscosity, inertial, ill_posed, e_centre, g_node, response_work, flow
+):
+    """`fill_quantities` of a flow; the effects answer in `response_work`, so that nothing is fed back."""
+    fields, geometry, constants = flow.fields, flow.geometry, flow.constants
+    dx, dz = constants.dx, constants.dz
+    strain_rates(e_centre, g_node, fields.u, fields.w, fields.bed_slip, geometry, dx, dz)
+    answer_once(constants.balance.response, response_work, e_centre, g_node, flow)
     fill_quantities(
         pressure,
         shear_rate,
@@ -93,80 +78,57 @@ def cell_quantities(state, geometry, material, response, dx, dz):
         ill_posed,
         e_centre,
         g_node,
-        state.pressure_filled,
+        fields.pressure_filled,
         geometry.filled,
         geometry.reach,
-        extra_friction,
-        material,
+        response_work.extra_friction,
+        constants.material,
     )
+
+
+@inner_jit()
+def answer_once(response, work, e_centre, g_node, flow):
+    """The extra friction of the effects in the present state; none where `response` is None."""
+    if response is None:
+        return
+    fields, constants = flow.fields, flow.constants
+    prepare_response(work, fields, response)
+    dt = fields.numbers[DT] if fields.numbers[DT] > 0.0 else 1.0  # at rest nothing dilates
+    respond(
+        work,
+        e_centre,
+        g_node,
+        fields.pressure_filled,
+        flow.geometry,
+        constants.material,
+        response,
+        1.0,
+        dt,
+        constants.dx,
+        constants.dz,
+    )
+
+
+def cell_quantities(flow):
+    """Fields at the cell centres of a `Flow`, zero outside the grains.
+
+    Returns
+    -------
+    dict of (nx, nz) arrays
+        filled_fraction (-), pressure (Pa), shear_rate (1/s), viscosity (Pa s), inertial_number (-,
+        0 without pressure), ill_posed (bool).
+    """
+    nx, nz = flow.geometry.filled.shape
+    pressure, shear_rate, viscosity, inertial = (np.zeros((nx, nz)) for _ in range(4))
+    ill_posed = np.zeros((nx, nz), np.bool_)
+    e_centre, g_node = np.zeros((nx, nz)), np.zeros((nx + 1, nz + 1))
+    computed = pressure, shear_rate, viscosity, inertial, ill_posed
+    fill_from_flow(*computed, e_centre, g_node, allocate_response(nx, nz), flow)
     return {
-        "filled_fraction": geometry.filled.copy(),
+        "filled_fraction": flow.geometry.filled.copy(),
         "pressure": pressure,
         "shear_rate": shear_rate,
         "viscosity": viscosity,
         "inertial_number": inertial,
         "ill_posed": ill_posed,
     }
-
-
-def extra_friction_of(state, rates, geometry, material, response, spacing):
-    """What the effects add to the friction coefficient of the cells, (nx, nz); `rates` are those of cells and nodes."""
-    work = allocate_response(*state.pressure_filled.shape)
-    if response.active:
-        prepare_response(work, state, response)
-        respond(
-            work,
-            *rates,
-            state.pressure_filled,
-            geometry,
-            material,
-            response,
-            1.0,
-            state.dt or 1.0,  # at rest nothing dilates
-            *spacing,
-        )
-    return work.extra_friction
-
-
-def energies(state, geometry, density, gravity, dx, dz):
-    """Kinetic and potential energy per unit width, J/m, with the face masses of the solver.
-
-    The potential is zero at the origin (back wall, bed).
-    """
-    x_moment, z_moment = first_moments(
-        geometry.filled, geometry.lever_x, geometry.lever_z, geometry.packing
-    )
-    return {
-        "kinetic": kinetic_energy(state, geometry, density, dx, dz),
-        "potential": -(density * dx * dz)
-        * (gravity[0] * dx * x_moment + gravity[1] * dz * z_moment),
-    }
-
-
-def kinetic_energy(state, geometry, density, dx, dz):
-    """Kinetic energy per unit width, J/m; see `energies`."""
-    squares = weighted_square(geometry.mass_x, state.u) + weighted_square(geometry.mass_z, state.w)
-    return 0.5 * (density * dx * dz) * squares
-
-
-@kernel_jit()
-def weighted_square(weight, values):
-    """Sum of weight * values^2 over two arrays of one shape."""
-    total = 0.0
-    for i in range(values.shape[0]):
-        for k in range(values.shape[1]):
-            if weight[i, k] != 0.0:  # most cells are air
-                total += weight[i, k] * values[i, k] * values[i, k]
-    return total
-
-
-@kernel_jit()
-def first_moments(filled, lever_x, lever_z, packing):
-    """Moments of the filled area, weighted by the packing, about the origin, in cells^2 dx and cells^2 dz."""
-    x_moment = z_moment = 0.0
-    for i in range(filled.shape[0]):
-        for k in range(filled.shape[1]):
-            if filled[i, k] > 0.0:
-                x_moment += packing[i, k] * (i * filled[i, k] + lever_x[i, k])
-                z_moment += packing[i, k] * (k * filled[i, k] + lever_z[i, k])
-    return x_moment, z_moment

@@ -46,10 +46,12 @@ def add_inertia(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz)
         for k in range(geometry.reach[i]):
             if iu[i, k] >= 0:
                 mass = geometry.mass_x[i, k]
-                friction = work.sink_x[i, k] + (work.k_bed[i] / dz if k == 0 else 0.0)
+                friction = work.sink_x[i, k] * u[i, k]
+                if k == 0:
+                    friction += (work.k_bed[i] * u[i, k] + work.bed_drag[i]) / dz
                 residual[iu[i, k]] += (
                     inertia * max(mass, MASS_FLOOR) * (u[i, k] - u_star[i, k])
-                    + friction * u[i, k]
+                    + friction
                     - balance.density * balance.gx * mass
                 )
     for i in range(geometry.first, geometry.last):

@@ -1,58 +1,67 @@
-"""The implicit solve of a step, by the method of the case."""
+"""The implicit solve of a step: velocity and pressure together; see `fvcollapse.step.coupled`."""
 
 import math
 
 import numpy as np
 
 from . import coupled
-from .banded import allocate_system, clear
+from .arrays import add
+from .banded import system_in
+from .compiled import inner_jit
 from .grain_response import prepare_response
 
 
-def solve(simulation, u_star, w_star, impulses, balance):
-    """Velocity and pressure of the state are those at the end of the step; return the `Outcome`."""
-    for impulse in impulses:
-        u_star, w_star = u_star + impulse.u, w_star + impulse.w
-    if simulation.case.numerics.method == "coupled":
-        return solve_coupled(simulation, u_star, w_star, balance)
-    from . import projection  # sparse matrices of scipy, for the reference method only
+@inner_jit()
+def solve(flow, ends, u_star, w_star, impulse, balance, memory):
+    """Velocity and pressure of the state are those at the end of the step.
 
-    return projection.solve(
-        simulation.state,
-        simulation.work,
-        simulation.ends,
-        u_star,
-        w_star,
-        simulation.geometry,
-        simulation.material,
-        balance,
-        *simulation.spacing,
-    )
+    Parameters
+    ----------
+    flow : Flow
+    ends : (n,) int64 array
+        Envelope of the matrix, from `place`.
+    u_star, w_star : arrays
+        Velocity after advection, m/s.
+    impulse : Impulse
+        What forces have added to it.
+    balance : Balance
+    memory : (m,) array
+        All zero: where the matrix is placed if it is long enough.
 
-
-def solve_coupled(simulation, u_star, w_star, balance):
-    """Velocity and pressure together; see `fvcollapse.step.coupled`."""
-    state, work, ends = simulation.state, simulation.work, simulation.ends
-    buffer, simulation.buffer = simulation.buffer, np.empty(0)
-    band, rhs = allocate_system(ends, buffer)
-    prepare_response(work.response, state, simulation.response)
+    Returns
+    -------
+    (Outcome, (m,) array)
+        The second holds the matrix of the next solve.
+    """
+    fields, constants = flow.fields, flow.constants
+    u_start, w_start = u_star, w_star
+    for change_u, change_w in (
+        (impulse.bulk_u, impulse.bulk_w),
+        (impulse.lateral_u, impulse.lateral_w),
+    ):
+        if change_u.size > 0:
+            u_start, w_start = u_start.copy(), w_start.copy()
+            add(u_start, change_u)
+            add(w_start, change_w)
+    memory, band, rhs = system_in(memory, ends)
+    prepare_response(flow.work.response, fields, balance.response)
     outcome = coupled.solve(
-        state.u,
-        state.w,
-        state.pressure_filled,
-        state.bed_slip,
-        work,
+        fields.u,
+        fields.w,
+        fields.pressure_filled,
+        fields.bed_slip,
+        flow.work,
         band,
         rhs,
         ends,
-        u_star,
-        w_star,
-        simulation.geometry,
-        simulation.material,
+        u_start,
+        w_start,
+        flow.geometry,
+        constants.material,
         balance,
-        *simulation.spacing,
+        constants.dx,
+        constants.dz,
     )
-    if outcome.info == 0 and math.isfinite(outcome.change):  # else there is NaN in it
-        clear(band, ends)
-        simulation.buffer = band.reshape(-1) if band.size > buffer.size else buffer
-    return outcome
+    if outcome.info != 0 or not math.isfinite(outcome.change + outcome.residual):
+        memory = np.zeros(0)  # what was there is not zero
+    return outcome, memory

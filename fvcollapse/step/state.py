@@ -1,7 +1,5 @@
 """What is known at one instant, and the tables from which output, checkpoint and growth of the domain follow."""
 
-from dataclasses import dataclass, make_dataclass
-
 import numpy as np
 
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -13,6 +11,8 @@ FIELDS = {
     "w": ("zface", "m/s", "velocity normal to the bed", True),
     "pressure_filled": ("centre", "Pa", "filled fraction times pressure", True),
     "bed_slip": ("xnode", "m/s", "slip velocity at the bed", True),
+    "u_before": ("xface", "m/s", "u at the start of the last step", True),
+    "w_before": ("zface", "m/s", "w at the start of the last step", True),
 }
 # name: (effect that carries it, location, units, description); absent from a state without that effect
 EFFECT_FIELDS = {
@@ -40,53 +40,69 @@ SCALARS = {
         "1",
         "cells the fastest point has moved since the signed distance was last restored",
     ),
-    "travel_steps": ("1", "steps since then"),
 }
+COUNTS = ("step",)  # scalars that are whole numbers
 
 
-@dataclass
-class _State:
-    """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`)."""
+class State:
+    """Arrays on the staggered grid (`FIELDS`; `EFFECT_FIELDS` where their effect is on) and scalars (`SCALARS`).
 
-    level_set: np.ndarray
-    u: np.ndarray
-    w: np.ndarray
-    pressure_filled: np.ndarray
-    bed_slip: np.ndarray
-    time: float = 0.0
-    step: int = 0
-    dt: float = 0.0
-    volume_0: float = 0.0
-    volume_correction: float = 0.0
-    volume_outflow: float = 0.0
-    work_bulk: float = 0.0
-    work_bed: float = 0.0
-    work_back_wall: float = 0.0
-    work_lateral: float = 0.0
-    work_gate: float = 0.0
-    loss_time: float = 0.0
-    loss_advection: float = 0.0
-    loss_surface: float = 0.0
-    energy_outflow: float = 0.0
-    travel: float = 0.0
-    travel_steps: int = 0
+    Every entry of the three tables is an attribute; a field of an effect that is off is None. The scalars are kept
+    in one array, `numbers`, in the order of their table, which the kernels change in place.
+    """
+
+    def __init__(self, level_set, u, w, pressure_filled, bed_slip, **entries):
+        self.level_set, self.u, self.w = level_set, u, w
+        self.pressure_filled, self.bed_slip = pressure_filled, bed_slip
+        self.u_before, self.w_before = u.copy(), w.copy()
+        self.numbers = np.zeros(len(SCALARS))
+        for name in EFFECT_FIELDS:
+            setattr(self, name, None)
+        for name, value in entries.items():
+            if name not in (*SCALARS, *EFFECT_FIELDS, "u_before", "w_before"):
+                raise TypeError(f"a state has no {name}")
+            setattr(self, name, value)
 
     def effect_fields(self):
         """Names of the fields that the effects carry in this state."""
         return [name for name in EFFECT_FIELDS if getattr(self, name) is not None]
 
+    def field_names(self):
+        """Names of all fields of this state."""
+        return [*FIELDS, *self.effect_fields()]
+
+    def entries(self):
+        """{name: array or number} of all that the state holds."""
+        return {name: getattr(self, name) for name in [*self.field_names(), *SCALARS]}
+
     def copy(self):
-        """Independent copy of the state."""
-        names = [*FIELDS, *self.effect_fields()]
-        return State(**vars(self) | {name: getattr(self, name).copy() for name in names})
+        """Independent copy of the state, whose arrays are parts of one: `State.store`."""
+        names = [*self.field_names(), "numbers"]
+        ends = np.cumsum([getattr(self, name).size for name in names])
+        made = State.__new__(State)
+        made.store = np.empty(ends[-1])
+        vars(made).update(dict.fromkeys(EFFECT_FIELDS))
+        for name, part in zip(names, np.split(made.store, ends[:-1]), strict=True):
+            values = getattr(self, name)
+            setattr(made, name, part.reshape(values.shape))
+            getattr(made, name)[...] = values
+        return made
 
 
-State = make_dataclass(
-    "State",
-    [(name, np.ndarray | None, None) for name in EFFECT_FIELDS],
-    bases=(_State,),
-    namespace={"__doc__": _State.__doc__, "__module__": __name__},
-)
+def _number(place, kind):
+    """The property of a scalar at a place of `State.numbers`."""
+
+    def get(state):
+        return kind(state.numbers[place])
+
+    def put(state, value):
+        state.numbers[place] = value
+
+    return property(get, put)
+
+
+for _place, _name in enumerate(SCALARS):
+    setattr(State, _name, _number(_place, int if _name in COUNTS else float))
 
 
 def location_shape(location, nx, nz):
@@ -108,7 +124,7 @@ def _shape_of(state, name, nx, nz):
 def crop(state, rows):
     """Keep the lowest `rows` rows of every field."""
     nx = state.pressure_filled.shape[0]
-    for name in [*FIELDS, *state.effect_fields()]:
+    for name in state.field_names():
         kept = tuple(slice(n) for n in _shape_of(state, name, nx, rows))
         setattr(state, name, getattr(state, name)[kept].copy())
 
@@ -119,7 +135,7 @@ def grow(state, extra_x, extra_z):
     The level set is continued with its last slope away from the grains, everything else with zero.
     """
     nx, nz = state.pressure_filled.shape
-    for name in [*FIELDS, *state.effect_fields()]:
+    for name in state.field_names():
         old = getattr(state, name)
         new = np.zeros(_shape_of(state, name, nx + extra_x, nz + extra_z))
         new[tuple(slice(n) for n in old.shape)] = old

@@ -9,11 +9,10 @@ its key, and if all of its numbers are finite. Another one, copied by hand, dama
 that failed without a word, is computed again, which is said on stderr.
 """
 
-import os
 import shutil
 import sys
-from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
@@ -28,55 +27,19 @@ from fvcollapse.errors import (
     UnreadableError,
     failures_named,
 )
-from fvcollapse.files.atomic import locked_temporary, remove_stale, write_atomic
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.output.extract import extract_image
+from fvcollapse.output.extract import FinishedRun, extract_image
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.result import open_result
-from fvcollapse.output.run_folder import OUTPUT_KEYS
-from fvcollapse.studies.members import run_member
+from fvcollapse.output.run_folder import CHECKPOINT, OUTPUT_KEYS, RESULT, stored_case
+from fvcollapse.output.run_without_result import run_without_result
 from fvcollapse.studies.workers import run_all
 
-FORMAT = 1  # of the extract; it is part of every key
+FORMAT = 2  # of the extract; it is part of every key
 EXTRACT, WORK = "extract.h5", "run"
 PROFILE_INTERVAL = 0.02  # s; the same for all runs, since output times influence the time steps
-VARIABLE = "FVCOLLAPSE_CACHE"
-
-
-def default_folder():
-    """Folder of the cache of this user: $FVCOLLAPSE_CACHE, else in $XDG_CACHE_HOME or ~/.cache."""
-    if named := os.environ.get(VARIABLE):
-        return Path(named)
-    if named := os.environ.get("XDG_CACHE_HOME"):
-        return Path(named) / "fvcollapse"
-    try:
-        return Path.home() / ".cache" / "fvcollapse"
-    except RuntimeError:
-        found = "no home folder of this user"
-        raise InputError("environment", VARIABLE, found, "a folder that may be written") from None
-
-
-def ready_folder(folder=None):
-    """A folder for a cache, made if need be; default that of this user.
-
-    Raises
-    ------
-    InputError
-        It cannot be written; the line names what to set.
-    """
-    folder = Path(folder or default_folder()).absolute()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        remove_stale(folder)
-        handle, name = locked_temporary(folder)
-        os.close(handle)
-        os.unlink(name)
-    except OSError as error:
-        found = f"a folder that cannot be written ({(error.strerror or str(error)).lower()})"
-        allowed = f"one that can: set {VARIABLE} or --cache"
-        raise InputError(folder, "cache of runs", found, allowed) from None
-    return folder
 
 
 def cached_case(case):
@@ -102,10 +65,24 @@ def cache_key(case):
 
 
 class Runs(NamedTuple):
-    """Outcome of many runs: {name: Result}, and {name: NumericalError} of those that failed."""
+    """Outcome of many runs.
+
+    Attributes
+    ----------
+    results : dict
+        Name -> `Result`.
+    failures : dict
+        Name -> NumericalError of a run that failed.
+    keys : dict
+        Name -> key of its run.
+    computed : frozenset of str
+        Keys of the runs that were not at hand.
+    """
 
     results: dict
     failures: dict
+    keys: dict
+    computed: frozenset
 
 
 @dataclass(frozen=True)
@@ -131,9 +108,12 @@ class RunCache:
 
         A run to a later end serves as well.
         """
-        key = cache_key(case)
+        return self.entry(cache_key(case), case)
+
+    def entry(self, key, case):
+        """As `get`, of a case whose key is known."""
         for folder in (*self.libraries, self.folder):
-            result, defect = read_extract(entry(Path(folder), key), case)
+            result, defect = read_extract(entry(Path(folder), key), case, key)
             if result is not None:
                 return result
             if defect:
@@ -175,37 +155,54 @@ class RunCache:
         OutputError, KeyboardInterrupt
             What is finished is kept; the next call continues.
         """
-        found = {name: self.get(case) for name, case in cases.items()}
-        missing = {name: case for name, case in cases.items() if found[name] is None}
-        failures = self.compute(longest(missing.values()), workers, scheduler, quiet)
-        failed = {name: failures.get(cache_key(case)) for name, case in missing.items()}
-        found |= {name: self.get(cases[name]) for name, error in failed.items() if error is None}
-        results = {name: result for name, result in found.items() if result is not None}
-        return Runs(results, {name: error for name, error in failed.items() if error is not None})
+        return self.run_by(
+            partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases
+        )
 
-    def compute(self, missing, workers, scheduler, quiet):
-        """Compute {key: case}; return {key: NumericalError} of those that failed."""
-        failures = {}
+    def run_by(self, make_calls, cases):
+        """As `run_all`, the calls made by `make_calls(task, calls, finished)`; see `workers.run_all`."""
+        keys = {name: cache_key(case) for name, case in cases.items()}
+        wanted = longest(keys, cases)
+        found = {key: self.entry(key, case) for key, case in wanted.items()}
+        missing = {key: case for key, case in wanted.items() if found[key] is None}
+        made, failures = self.compute(missing, make_calls)
+        found |= made
+        results, failed = {}, {}
+        for name, key in keys.items():
+            # where a longer run fails, a shorter one may be at hand
+            result = self.entry(key, cases[name]) if key in failures else found[key]
+            if result is None:
+                failed[name] = failures[key]
+            else:
+                results[name] = result
+        return Runs(results, failed, keys, frozenset(missing))
+
+    def compute(self, missing, make_calls):
+        """Compute {key: case}; ({key: Result}, {key: NumericalError} of those that failed)."""
+        made, failures = {}, {}
 
         def finished(key, outcome):
             if isinstance(outcome, NumericalError):
                 failures[key] = outcome
             elif isinstance(outcome, FvcollapseError):
                 raise outcome
-            elif self.get(missing[key]) is None:
-                found = "workers that do not see this folder"
-                raise InputError(self.folder, "--scheduler", found, "a shared file system")
+            else:
+                made[key] = self.entry(key, missing[key])
+                if made[key] is None:
+                    found = "workers that do not see this folder"
+                    raise InputError(self.folder, "--scheduler", found, "a shared file system")
 
-        calls = {key: (case, self.place(case), True) for key, case in missing.items()}
-        run_all(make_extract, calls, finished, workers, scheduler, quiet)
-        return failures
+        folder = Path(self.folder).absolute()
+        calls = {key: (case, entry(folder, key), True) for key, case in missing.items()}
+        make_calls(make_extract, calls, finished)
+        return made, failures
 
 
-def longest(cases):
-    """{key: case}; of cases that share a key the case with the latest end."""
+def longest(keys, cases):
+    """{key: case} of {name: key} and {name: case}; of cases that share a key the case with the latest end."""
     found = {}
-    for case in cases:
-        key = cache_key(case)
+    for name, key in keys.items():
+        case = cases[name]
         if key not in found or case.time.end > found[key].time.end:
             found[key] = case
     return found
@@ -216,8 +213,8 @@ def entry(folder, key):
     return folder / key[:2] / key
 
 
-def read_extract(place, case):
-    """(extract in a place, "") if it serves a case, else (None, why what is there may not be used)."""
+def read_extract(place, case, key):
+    """(extract in a place, "") if it serves a case of this key, else (None, why what is there may not be used)."""
     path = place / EXTRACT
     if not path.exists():
         return None, ""
@@ -229,7 +226,7 @@ def read_extract(place, case):
         return None, str(error)
     if not result.complete or result.case.time.end < case.time.end - SAME_TIME:
         return None, ""
-    if cache_key(result.case) != cache_key(case):
+    if cache_key(result.case) != key:
         return None, f"{path}: an entry of another case"
     if not is_finite(result):
         return None, f"{path}: an entry with numbers that are not finite"
@@ -253,21 +250,25 @@ def make_extract(case, place, quiet=True):
         Among others if the result has numbers that are not finite; nothing is left of it.
     """
     work = place / WORK
+
+    def keep(job):
+        """Write the extract, unless some of its numbers are not finite."""
+        finished = FinishedRun.of(job.recorder, job.case)
+        if not is_finite(finished):
+            shutil.rmtree(work, ignore_errors=True)
+            raise NumericalError("the result has numbers that are not finite", f"in {work}")
+        write_atomic(place / EXTRACT, extract_image(finished))
+
     with failures_named(), exclusive(place / LOCK):
-        if read_extract(place, case)[0] is None:
+        if read_extract(place, case, cache_key(case))[0] is None:
             # a longer run that was cut short is finished as such
             end = max(case.time.end, begun_end(work))
-            run_member(cached_case(case.replace(**{"time.end": end})), work, quiet, force=True)
-            result = open_result(work)
-            if not is_finite(result):
-                shutil.rmtree(work, ignore_errors=True)
-                raise NumericalError("the result has numbers that are not finite", f"in {work}")
-            write_atomic(place / EXTRACT, extract_image(result))
+            longest = cached_case(case.replace(**{"time.end": end}))
+            run_without_result(longest, work, keep, quiet)
         shutil.rmtree(work, ignore_errors=True)
 
 
 def begun_end(work):
     """End of the run that was begun in a folder [s]; 0 if there is none."""
-    with suppress(InputError):
-        return open_result(work).case.time.end
-    return 0.0
+    begun = [stored_case(work / name) for name in (CHECKPOINT, RESULT)]
+    return max((case.time.end for case in begun if case is not None), default=0.0)

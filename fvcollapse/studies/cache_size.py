@@ -7,7 +7,8 @@ from typing import NamedTuple
 from fvcollapse.errors import InputError, UnreadableError
 from fvcollapse.files.locks import LOCK, exclusive
 from fvcollapse.output.result import open_result
-from fvcollapse.studies.cache import EXTRACT, WORK, cache_key, default_folder
+from fvcollapse.studies.cache import EXTRACT, WORK, cache_key
+from fvcollapse.studies.cache_folder import default_folder
 
 DIGITS = 64  # of a key
 

@@ -53,15 +53,22 @@ class ProcessPool(Executor):
 
     def make(self, call):
         """Let a process make a call; here in a thread."""
-        try:
-            worker = self.free.get_nowait()
-        except Empty:
-            worker = self.start_worker()
+        worker = self.free_worker()
         outcome, value = worker.answer(call)  # where it dies, it is not free again
         self.free.put(worker)
         if outcome == RAISED:
             raise value
         return value
+
+    def free_worker(self):
+        """A living process without a call; a new one if there is none."""
+        while True:
+            try:
+                worker = self.free.get_nowait()
+            except Empty:
+                return self.start_worker()
+            if worker.process.is_alive():  # it may have been killed since its last call
+                return worker
 
     def start_worker(self):
         """A new process, unless the pool is about to end."""

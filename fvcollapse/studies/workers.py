@@ -79,24 +79,34 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
         On Ctrl-C, SIGTERM and SIGHUP, after the runs of this machine have saved their state.
     """
     refuse_workers(workers)
-    queue, deaths = deque(calls), Counter()
-    if calls:
+    if calls and scheduler is None:
         tell_compilation(quiet)
     with runs_bar(len(calls), quiet) as bar:
 
         def end(name, outcome):
-            """Report an outcome, or queue the call again if its worker died."""
-            if outcome is DEAD:
-                deaths[name] += 1
-                if deaths[name] < ATTEMPTS:
-                    queue.append(name)
-                    return
-                outcome = NumericalError(f"the worker died {ATTEMPTS} times (memory?)")
+            """Count a call that has ended."""
             bar.update()
             finished(name, outcome)
 
         with executor(workers, scheduler) as place:
-            drain(place, partial(call, solver_version(), task), calls, queue, end)
+            make_calls(place, task, calls, end)
+
+
+def make_calls(place, task, calls, finished):
+    """Call `task(*arguments)` for every {name: arguments} at a `Place`; see `run_all`."""
+    queue, deaths = deque(calls), Counter()
+
+    def end(name, outcome):
+        """Report an outcome, or queue the call again if its worker died."""
+        if outcome is DEAD:
+            deaths[name] += 1
+            if deaths[name] < ATTEMPTS:
+                queue.append(name)
+                return
+            outcome = NumericalError(f"the worker died {ATTEMPTS} times (memory?)")
+        finished(name, outcome)
+
+    drain(place, partial(call, solver_version(), task), calls, queue, end)
 
 
 def refuse_workers(workers):

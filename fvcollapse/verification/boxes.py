@@ -6,16 +6,20 @@ as the halo of a periodic stretch repeats it.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES
-from fvcollapse.step.domain import repeat
+from fvcollapse.step.domain import NO_CHANGE
 from fvcollapse.step.extrapolation import TRUSTED_U
+from fvcollapse.step.flow import TIME
+from fvcollapse.step.geometry import repeat_columns
 from fvcollapse.step.initial import HALO
 from fvcollapse.step.state import State
+from fvcollapse.step.surface import Moved
 from fvcollapse.step.unknowns import number_unknowns
 from fvcollapse.verification.flows import TIGHT, with_step
 
@@ -96,8 +100,8 @@ class Box(Simulation):
             np.zeros(nx + 1),
         )
         state.volume_0, state.dt = nx * nz * h * h, dt
-        super().__init__(case, state, with_step(STAGES_OF_BOX, dt))
-        continue_in_box(self)
+        super().__init__(case, state, with_step(stages_of(self), dt))
+        continue_in_box(self, self.flow())
 
     def inside(self):
         """Where u, w and pressure are those of the fluid: masks without walls and mirrors.
@@ -118,19 +122,28 @@ class Box(Simulation):
 # -- the stages of a step that differ from those of a collapse ------------------------------------
 
 
-def stay(box):
+def stages_of(box):
+    """The stages of a step in this box."""
+    names = ("move_surface", "place", "carry_momentum", "continue_velocity")
+    stages = hold_surface, place_in_box, carry_and_push, continue_in_box
+    bound = {name: partial(stage, box) for name, stage in zip(names, stages, strict=True)}
+    return STAGES._replace(room_needed=stay, **bound)
+
+
+def stay(flow):
     """Walls all around: the grid stays."""
+    return NO_CHANGE
 
 
-def hold_surface(box, dt):
-    """A surface inside the box is where it was; return the volume that was added, m2."""
-    return STAGES.move_surface(box, dt) if box.surface is None else 0.0
+def hold_surface(box, flow, dt):
+    """A surface inside the box is where it was; return `Moved`."""
+    return STAGES.move_surface(flow, dt) if box.surface is None else Moved(0.0, 0.0, 0.0)
 
 
-def place_in_box(box, time, closed=False):
-    """The geometry is that of the fluid inside the walls, and the cells beyond are no unknowns."""
-    STAGES.place(box, time, closed)
-    geometry, right, top = box.geometry, box.right, box.cells_z
+def place_in_box(box, flow, time, closed=False):
+    """The geometry is that of the fluid inside the walls, and the cells beyond are no unknowns; return its envelope."""
+    STAGES.place(flow, time, closed)
+    geometry, right, top = flow.geometry, box.right, box.cells_z
     geometry.index_u[:] = -1
     geometry.index_w[:] = -1
     geometry.interior[:] = False
@@ -143,21 +156,21 @@ def place_in_box(box, time, closed=False):
         reach=np.minimum(geometry.reach[: right + 1], top),
         last=geometry.last if box.halo else right,
     )
-    box.ends = number_unknowns(inside, open_end=False)
+    return number_unknowns(inside, open_end=False)
 
 
-def carry_and_push(box, old_level_set, packing, dt):
+def carry_and_push(box, flow, packing, dt):
     """Return the velocity after advection, the force on the fluid and the friction of the further walls, m/s."""
-    u_star, w_star = STAGES.carry_momentum(box, old_level_set, packing, dt)
+    u_star, w_star = STAGES.carry_momentum(flow, packing, dt)
     if box.force is not None:
-        end = box.state.time + dt
+        end = flow.fields.numbers[TIME] + dt
         u_star += dt * box.force(box.x_u, box.z_u, end)[0]
         w_star += dt * box.force(box.x_w, box.z_w, end)[1]
-    add_walls(box, u_star, w_star, dt)
+    add_walls(box, flow.fields, u_star, w_star, dt)
     return u_star, w_star
 
 
-def add_walls(box, u_star, w_star, dt):
+def add_walls(box, fields, u_star, w_star, dt):
     """Friction of the walls that the solver does not know; dt < h^2/(2 nu) keeps it stable.
 
     The bed's own friction is implicit, but as if the bed stood still.
@@ -167,37 +180,29 @@ def add_walls(box, u_star, w_star, dt):
     if math.isinf(box.case.boundary.mu_bed):
         u_star[:, 0] += rate * box.bed_speed
     if box.no_slip:
-        u_star[:, box.cells_z - 1] -= rate * box.state.u[:, box.cells_z - 1]
+        u_star[:, box.cells_z - 1] -= rate * fields.u[:, box.cells_z - 1]
         if not box.halo:
-            w_star[box.right - 1] -= rate * box.state.w[box.right - 1]
+            w_star[box.right - 1] -= rate * fields.w[box.right - 1]
 
 
-def continue_in_box(box):
+def continue_in_box(box, flow):
     """The layers beyond the walls mirror the flow."""
     if box.surface is not None:
-        STAGES.continue_velocity(box)
-    state, right, top = box.state, box.right, box.cells_z
+        STAGES.continue_velocity(flow)
+    state, right, top = flow.fields, box.right, box.cells_z
     tangential = -1.0 if box.no_slip else 1.0
     mirror(state.w.T, top, -1.0, on_face=True)
     mirror(state.u.T, top, tangential, on_face=False)
     mirror(state.pressure_filled.T, top, 1.0, on_face=False)
     if box.halo:
-        repeat(box, state.u, state.w)
+        for field in (state.u, state.w):
+            repeat_columns(field, flow.geometry.first, flow.geometry.last)
     else:
         mirror(state.u, right, -1.0, on_face=True)
         mirror(state.w, right, tangential, on_face=False)
         mirror(state.pressure_filled, right, 1.0, on_face=False)
     if box.bed_speed:
         state.bed_slip[:] = box.bed_speed
-
-
-STAGES_OF_BOX = STAGES._replace(
-    fit_grid=stay,
-    move_surface=hold_surface,
-    place=place_in_box,
-    carry_momentum=carry_and_push,
-    continue_velocity=continue_in_box,
-)
 
 
 def level_set_of(surface, h, nx, nz):

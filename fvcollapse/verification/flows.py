@@ -27,7 +27,7 @@ TIGHT = {"numerics.tolerance": 1e-8, "numerics.max_sweeps": 300}
 
 def with_step(stages, dt):
     """The stages of a simulation whose time step is dt (s), whatever the limits."""
-    return stages._replace(choose_step=lambda simulation, time_limit: dt)
+    return stages._replace(choose_step=lambda flow, time_limit: dt)
 
 
 class UniformFlow(Simulation):

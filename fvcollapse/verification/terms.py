@@ -22,6 +22,8 @@ PRESSURE = Term("∇p, div u = 0", "step/coupled.py")
 CUT_CELLS = Term("cut cells, hydrostatic balance", "step/geometry.py")
 BED = Term("bed and back wall, equations 12–14", "step/coulomb_walls.py")
 LATERAL_WALLS = Term("lateral walls, equation 19", "step/lateral_friction.py")
+THIN_LAYER = Term("thin layers", "step/thin_layer.py")
+FLUIDITY = Term("nonlocal fluidity, rough bed", "step/fluidity_relaxation.py")
 SURFACE = Term("free surface, equation 10", "step/level_set.py")
 COLLAPSE = Term("a whole collapse", "simulation.py")
 ILL_POSEDNESS = Term("ill-posedness of the model", "step/ill_posedness.py")
@@ -38,6 +40,8 @@ TERMS = (  # in the order of the table
     CUT_CELLS,
     BED,
     LATERAL_WALLS,
+    THIN_LAYER,
+    FLUIDITY,
     SURFACE,
     COLLAPSE,
     ILL_POSEDNESS,

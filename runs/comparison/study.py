@@ -1,11 +1,12 @@
 """Collapses that other people computed or measured, recomputed with their constants; nothing is tuned.
 
-    python -m runs.comparison.study columns volume_of_fluid channel plane differences --data FOLDER
+    python -m runs.comparison.study columns volume_of_fluid channel plane differences bars --data FOLDER
 
-FOLDER holds the published data (particles, continuum, lab), which only the last part reads. Each other part runs
+FOLDER holds the published data (particles, continuum, lab), which only the last two parts read. Each other part runs
 its cases and writes runs/comparison/<part>.csv and <part>_profiles.csv; cases already in the table are not run
-again. The last compares the tables with the data, writes differences.csv and the reference curves of
-the figures, and prints the differences in units of the uncertainty of the data.
+again. `differences` compares the tables with the data, writes differences.csv and the reference curves of
+the figures, and prints the differences in units of the uncertainty of the data. `bars` runs the aluminium bars
+through the cache of runs and compares them with the experiment: bars.csv.
 """
 
 import json
@@ -15,6 +16,7 @@ from functools import partial
 
 import numpy as np
 
+from runs.comparison.bars import bars
 from runs.comparison.differences import compare
 from runs.comparison.tables import Folders
 from runs.study import Study, add_rows, cost, run_settings
@@ -225,9 +227,9 @@ PARTS = {part.__name__: part for part in (columns, volume_of_fluid, channel, pla
 STUDY = Study(
     "comparison",
     __doc__,
-    {part: partial(do_part, part) for part in PARTS} | {"differences": differences},
-    need_data=("differences",),
-    uses=(),
+    {part: partial(do_part, part) for part in PARTS} | {"differences": differences, "bars": bars},
+    need_data=("differences", "bars"),
+    uses=("cache",),
 )
 main = partial(call, STUDY)
 

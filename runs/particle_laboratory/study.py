@@ -9,6 +9,7 @@ tuned to a collapse. Parts:
     discrepancy   what the controls teach; each judged by the other: discrepancy.csv
     labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
     blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
+    thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
 
 The pages of the reports, with their figures, go below --out. Runs are kept in the cache of runs: an
 interrupted part continues with the same command.
@@ -30,6 +31,7 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
+from runs.particle_laboratory.thin_layers import thin_layers
 from runs.study import Study, run_cached
 from runs.study import main as call
 from runs.table import write_table
@@ -232,8 +234,9 @@ STUDY = Study(
         "discrepancy": discrepancy,
         "labelled": labelled,
         "blind": blind,
+        "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
     },
-    need_data=("validation", "discrepancy", "labelled", "blind"),
+    need_data=("validation", "discrepancy", "labelled", "blind", "thin_layers"),
 )
 main = partial(call, STUDY)
 

@@ -34,6 +34,7 @@ def test_solution_is_that_of_the_dense_matrix(n, width, seed):
     solve_factorised(solution, band, ends)
     assert np.abs(dense @ solution[:n] - rhs).max() < 1e-13 * n
     assert not solution[n:].any()  # the lanes behind the last unknown
+    assert not band.any()  # ready for the next matrix
 
 
 @settings(max_examples=15, deadline=None)

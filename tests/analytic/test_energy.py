@@ -90,6 +90,8 @@ DENSE, CRITICAL, LOOSE = (
         ("implicit", CRITICAL),
         ("implicit", LOOSE),
         ("implicit", DENSE | OPEN_END),
+        ("implicit", {"effects.thin_layer": {"length": 10.0}}),
+        ("implicit", {"effects.thin_layer": {"length": 10.0, "closure": "nonlocal"}}),
     ],
 )
 def test_the_budget_of_a_collapse_is_closed_by_its_own_terms(scheme, changes):

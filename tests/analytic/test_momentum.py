@@ -19,7 +19,9 @@ def advected(u, w, phi_old, phi_new, dt):
     u_star, w_star = np.empty_like(u), np.empty_like(w)
     slip, aperture = np.zeros(u.shape[0]), np.ones_like(u)
     packing = np.ones((len(w), len(w)))
-    advect_momentum(u_star, w_star, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0)
+    advect_momentum(
+        u_star, w_star, u, w, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0
+    )
     return u_star, w_star
 
 

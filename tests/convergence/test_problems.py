@@ -23,6 +23,9 @@ SLOW = {
     "growth_well_posed",
     "stopping_viscous_walls",
     "stopping_viscous_walls_interface",
+    "thin_layer_stop",
+    "thin_layer_stop_sliding",
+    "thin_layer_stop_nonlocal",
 }
 
 

@@ -32,7 +32,7 @@ WALLS = {"lateral_friction": {"mu_wall": 0.22, "pressure_ratio": 0.9}}
 @pytest.fixture
 def by_formula(monkeypatch):
     """Runs are formulas."""
-    monkeypatch.setattr(module, "Runner", ToyRunner)
+    monkeypatch.setattr(module, "StandingRunner", ToyRunner)
 
 
 @pytest.fixture(scope="module")

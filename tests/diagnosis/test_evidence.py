@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from fake_points import fake_points
 from scipy.special import logsumexp
-from scipy.stats import binom, multivariate_normal, norm
+from scipy.stats import binom, multivariate_normal, multivariate_t, norm
 
 from fvcollapse.diagnosis import quadrature
 from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.evidence import ModelComparison, compare
 from fvcollapse.diagnosis.likelihood import ResponseColumns
+from fvcollapse.diagnosis.log_sums import log_sum_exp
 from fvcollapse.diagnosis.quadrature import (
     DISCREPANCIES,
     UNKNOWN_DISCREPANCIES,
@@ -318,3 +319,48 @@ def test_the_evidence_of_a_ridge(monkeypatch):
     low, high = intervals(found, found.nodes[np.argmax(found.log_likelihood[:, 0])])
     assert (low < 0.2).all()
     assert (high > 0.8).all()
+
+
+def test_the_likelihood_at_all_nodes_is_the_normal_density_at_each():
+    points, covariance, kernel = setting()
+    response = responses(points, 0.3)["bars"]
+    comparison = ModelComparison(covariance, kernel, {"bars": response}, points)
+    gap = np.random.default_rng(3).normal(0.0, 0.02, len(points))
+    seen = {sigma: each.see(gap) for sigma, each in comparison.whitened.items()}
+    (closure,) = comparison.closures["bars"]
+    nodes = quadrature.first_nodes(1, 0.0, 1.0)
+    for _ in range(2):  # the second time with what was remembered
+        found = quadrature.likelihood(seen, closure, nodes) - sigma_weights(DISCREPANCIES)
+        for row in (0, 50, 127):
+            residual = gap + response.at(nodes[row])
+            exact = [
+                multivariate_normal(
+                    cov=covariance + s**2 * kernel + response.covariance(nodes[row])
+                )
+                for s in DISCREPANCIES
+            ]
+            expected = [density.logpdf(residual) for density in exact]
+            assert found[row] == pytest.approx(expected, abs=1e-6)
+
+
+def test_the_winner_is_that_of_the_whole_evidence():
+    points, covariance, kernel = setting()
+    known = responses(points, 0.1)
+    comparison = ModelComparison(covariance, kernel, known, points)
+    rng = np.random.default_rng(4)
+    for name in (*known, None, None):
+        gap = rng.multivariate_normal(np.zeros(len(points)), covariance)
+        gap = gap if name is None else gap - known[name].at(np.array([0.6]))
+        assert comparison.best_name(gap) == comparison.evidence(gap, pairs=False).best.name
+
+
+def test_densities_and_sums_are_those_of_scipy():
+    rng = np.random.default_rng(5)
+    factor = np.linalg.cholesky(np.cov(rng.normal(size=(3, 20))))
+    apart = rng.normal(size=(50, 3))
+    expected = multivariate_t(np.zeros(3), factor @ factor.T, quadrature.RIDGE_TAILS).logpdf(apart)
+    assert quadrature.log_density_t(apart, factor) == pytest.approx(expected, rel=1e-12)
+    values = rng.normal(0.0, 400.0, (6, 5))
+    values[2], values[3, 1] = -np.inf, -np.inf
+    assert log_sum_exp(values) == pytest.approx(logsumexp(values), rel=1e-14)
+    assert log_sum_exp(values, axis=1) == pytest.approx(logsumexp(values, axis=1), rel=1e-14)

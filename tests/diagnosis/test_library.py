@@ -315,7 +315,7 @@ class Failing(ToyRunner):
         super().__init__()
         self.fails = fails
 
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         seen, _ = super().observations(wanted)
         failures = {label: NumericalError("it blew up") for label in wanted if self.fails(label)}
         return {label: each for label, each in seen.items() if label not in failures}, failures

@@ -127,7 +127,7 @@ def test_two_effects_together_are_added_together(tmp_path):
 
 
 class FailingWinner(ToyRunner):
-    def observations(self, wanted):
+    def observations(self, wanted, phase=""):
         seen, _ = super().observations(wanted)
         failures = {label: NumericalError("it blew up") for label in wanted if label[0] == WINNER}
         return {label: each for label, each in seen.items() if label not in failures}, failures

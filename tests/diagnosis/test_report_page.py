@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ElementTree
+from concurrent.futures import BrokenExecutor, Future
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
@@ -20,6 +21,7 @@ from fvcollapse.diagnosis.report.drawing import column
 from fvcollapse.diagnosis.report.figures import drawable, pictures
 from fvcollapse.diagnosis.report.gap_figures import cell
 from fvcollapse.diagnosis.report.page import write_page
+from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.regions import region_line, region_words
 from fvcollapse.diagnosis.report.report_file import read_report, to_json, write_report
 from fvcollapse.diagnosis.report.schema_cause import Parameter, PriorRange
@@ -29,6 +31,7 @@ from fvcollapse.diagnosis.report.schema_reduction import Closed
 from fvcollapse.diagnosis.report.tables import shown_parameter
 from fvcollapse.errors import OutputError
 from fvcollapse.measure.quantities import QUANTITIES
+from fvcollapse.studies.standing import StandingWorkers
 
 CHAPTERS = ("which", "far", "where", "next", "overlays", "compared", "alike", "limits", "cost")
 VOID = {"meta", "br", "img", "link", "input", "hr"}
@@ -454,3 +457,22 @@ def test_oddities_stand_above_what_was_compared(page, tmp_path):
         "beads, front.csv, x_front_m :", "beads/front.csv: x_front_m:"
     )
     assert "warnings" not in page.ids
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_figures_drawn_by_two_processes_are_the_same(folder, workers):
+    report = read_report(folder)
+    with StandingWorkers(workers) as standing:
+        chapters = pictures(report, Painter(standing).draw)
+    assert chapters == pictures(report)
+
+
+def test_figures_of_a_process_that_dies_are_drawn_here(folder):
+    class Dead:
+        def submit(self, task, *arguments):
+            future = Future()
+            future.set_exception(BrokenExecutor("the process ended with status -9"))
+            return future
+
+    report = read_report(folder)
+    assert pictures(report, Painter(Dead()).draw) == pictures(report)

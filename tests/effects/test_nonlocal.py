@@ -30,7 +30,7 @@ def column(shear_rate, mu=MU, width=3):
     nz = len(shear_rate)
     g = np.empty((width, nz))
     rate, coefficient = np.tile(shear_rate, (width, 1)), np.broadcast_to(mu, (width, nz)).copy()
-    fluidity(g, rate, coefficient, full_box(width, nz), LENGTH, 1.0 / nz, 1.0 / nz)
+    fluidity(g, rate, coefficient, full_box(width, nz), LENGTH, False, 1.0 / nz, 1.0 / nz)
     assert np.ptp(g, axis=0).max() < 1e-12 * g.max()
     return g[0]
 
@@ -45,7 +45,9 @@ def test_second_order_in_two_dimensions():
     for n in GRIDS:
         shape = np.cos(math.pi * centres(n))[:, None] * np.cos(2.0 * math.pi * centres(n))
         g = np.empty((n, n))
-        fluidity(g, 1.0 + shape, np.full((n, n), MU), full_box(n, n), LENGTH, 1.0 / n, 1.0 / n)
+        fluidity(
+            g, 1.0 + shape, np.full((n, n), MU), full_box(n, n), LENGTH, False, 1.0 / n, 1.0 / n
+        )
         expected = 1.0 / MU + shape / (MU + 5.0 * math.pi**2 * LENGTH**2)
         errors.append(np.abs(g - expected).max())
     assert errors[-1] < 1e-3
@@ -55,7 +57,7 @@ def test_second_order_in_two_dimensions():
 def test_without_length_it_is_the_local_law():
     rate = 1.0 + centres(16)
     g = np.empty((3, 16))
-    fluidity(g, np.tile(rate, (3, 1)), np.full((3, 16), MU), full_box(3, 16), 0.0, 0.1, 0.1)
+    fluidity(g, np.tile(rate, (3, 1)), np.full((3, 16), MU), full_box(3, 16), 0.0, False, 0.1, 0.1)
     assert g == pytest.approx(np.tile(rate / MU, (3, 1)), rel=1e-14)
 
 

@@ -49,7 +49,9 @@ def advected(u, w, dt, beta):
     u_star, w_star, phi = np.empty_like(u), np.empty_like(w), np.full((nx + 1, nz + 1), -9.0)
     slip, aperture = np.zeros(nx + 1), np.ones_like(u)
     packing = np.ones((nx, nz))
-    advect_momentum(u_star, w_star, u, w, slip, aperture, phi, phi, packing, dt, 1.0, 1.0, beta)
+    advect_momentum(
+        u_star, w_star, u, w, u, w, slip, aperture, phi, phi, packing, dt, 1.0, 1.0, beta
+    )
     return u_star, w_star
 
 

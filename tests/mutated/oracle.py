@@ -162,12 +162,14 @@ def impossible_fields(fields):
 
 def impossible_state(state):
     """A state of no simulation."""
-    arrays = {name: value for name, value in vars(state).items() if isinstance(value, np.ndarray)}
+    arrays = {
+        name: value for name, value in state.entries().items() if isinstance(value, np.ndarray)
+    }
     for name, values in arrays.items():
         if values.dtype != np.float64 or not np.isfinite(values).all():
             yield f"state/{name}: {values.dtype}"
-    for name, value in vars(state).items():
-        if name not in arrays and value is not None:
+    for name, value in state.entries().items():
+        if name not in arrays:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 yield f"state/{name}: {value!r}"
             elif not math.isfinite(value):

@@ -5,6 +5,7 @@ import pytest
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.advance import STAGES, change_of
+from fvcollapse.step.constants import constants_of
 from fvcollapse.step.coupled import Outcome
 
 
@@ -34,7 +35,8 @@ def test_a_change_is_judged_by_the_speed_of_the_solution():
 
     def judged(change, speed):
         relative = change / max(speed, 0.0117)
-        return change_of(Outcome(30, relative, speed, 0.0, 0.0, 0, False), case)
+        outcome = Outcome(30, relative, speed, 0.0, 0.0, 0, False)
+        return change_of.py_func(outcome, constants_of(case))
 
     assert judged(0.01, 0.02) == pytest.approx(0.01 / 0.117, rel=2e-3)
     assert judged(0.5, 2.0) == pytest.approx(0.25)

@@ -152,7 +152,7 @@ def test_state_keeps_every_bit(case, fake, tmp_path):
     with output.progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
     stored = read_checkpoint(tmp_path / "checkpoint.h5").state
-    for name, value in vars(job.state).items():
+    for name, value in job.state.entries().items():
         assert isinstance(getattr(stored, name), int) == isinstance(value, int)
         assert np.array_equal(getattr(stored, name), value)
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from urllib.parse import quote
 
 import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 WIDTH = 4.2  # inch: letters of 9 points are 11 pixels high on a telephone
 STYLE = {"font.size": 9.0, "axes.titlesize": 9.0, "svg.fonttype": "none", "svg.hashsalt": "report"}
@@ -32,10 +33,18 @@ class Picture(NamedTuple):
 
 def picture(figure, name, alt, caption, experiment=""):
     """The figure as a `Picture`."""
+    lay_out(figure)
     stream = io.BytesIO()
     figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     svg = lighter(stream.getvalue().decode()).encode()
     return Picture(name, svg, alt, caption, experiment)
+
+
+def lay_out(figure):
+    """Place the parts of a figure for good, as its layout engine has it: saved, it is drawn once and not twice."""
+    FigureCanvasSVG(figure)
+    figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine("none")
 
 
 def lighter(svg):

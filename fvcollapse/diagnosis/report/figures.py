@@ -10,27 +10,52 @@ from fvcollapse.diagnosis.report.reduction_figures import budget, ladder
 from fvcollapse.diagnosis.report.scalar_figures import scalars
 from fvcollapse.measure.quantities import CURVES
 
+CHAPTERS = ("overlays", "scalars", "gap_maps", "evidence", "signatures", "ladder", "budget")
 
-def pictures(report):
+
+def pictures(report, draw=None):
     """Every figure of a report, by the chapter of the page that shows it.
+
+    Parameters
+    ----------
+    report : Report
+    draw : function, optional
+        Draws the figures of (report, their number), in the order of `drawings`; default in this process. See `Painter`.
 
     Returns
     -------
     dict of str -> list of Picture
-        "overlays", "scalars", "gap_maps", "evidence", "signatures", "ladder", "budget"; a chapter without data
-        has an empty list.
+        Of all `CHAPTERS`; a chapter without data has an empty list.
     """
-    details = report.details
+    chapters = [chapter for chapter, *_ in drawings(report)]
+    made = drawn(report) if draw is None else draw(report, len(chapters))
+    shown = {chapter: [] for chapter in CHAPTERS}
+    for chapter, picture in zip(chapters, made, strict=True):
+        shown[chapter].append(picture)
+    return shown
+
+
+def drawn(report, some=slice(None)):
+    """The `Picture`s of a report, or some of them."""
     with matplotlib.rc_context(STYLE):
-        return {
-            "overlays": [overlay(report, one) for one in drawable(report)],
-            "scalars": [scalars(report)] if has_scalars(report) else [],
-            "gap_maps": [gap_map(report, one) for one in drawable(report) if one.x is not None],
-            "evidence": [evidence(report)],
-            "signatures": [signatures(details.separability)] if details.separability else [],
-            "ladder": [ladder(report)] if details.ladder else [],
-            "budget": [budget(report)] if details.budget else [],
-        }
+        return [function(*arguments) for _, function, *arguments in drawings(report)[some]]
+
+
+def drawings(report):
+    """(chapter, function, arguments, ...) of every figure of a report, in the order of `CHAPTERS`."""
+    details, curves = report.details, drawable(report)
+    made = [("overlays", overlay, report, one) for one in curves]
+    if has_scalars(report):
+        made.append(("scalars", scalars, report))
+    made += [("gap_maps", gap_map, report, one) for one in curves if one.x is not None]
+    made.append(("evidence", evidence, report))
+    if details.separability:
+        made.append(("signatures", signatures, details.separability))
+    if details.ladder:
+        made.append(("ladder", ladder, report))
+    if details.budget:
+        made.append(("budget", budget, report))
+    return made
 
 
 def has_scalars(report):

@@ -40,7 +40,7 @@ CANDIDATES_OPEN = 5  # hypotheses listed at once
 REGIONS_OPEN = 8  # listed at once; the rest behind a click
 
 
-def write_page(report, folder):
+def write_page(report, folder, draw=None):
     """Put `report.html` and `figures/` into a folder; the path of the page.
 
     Parameters
@@ -48,6 +48,8 @@ def write_page(report, folder):
     report : Report
         As `read_report` gives it.
     folder : str or Path
+    draw : function, optional
+        See `figures.pictures`.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def write_page(report, folder):
         (folder / FIGURES).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(folder / FIGURES, error, running=True) from None
-    chapters = pictures(report)
+    chapters = pictures(report, draw)
     for picture in (picture for chapter in chapters.values() for picture in chapter):
         write_atomic(folder / FIGURES / f"{picture.name}.svg", picture.svg)
     path = folder / PAGE

@@ -42,10 +42,10 @@ def run_rows(runner, question):
     cases = question.cases | question.held_out_cases
     given = {name: flat(as_table(case)) for name, case in cases.items()}
     rows = []
-    for place, (experiment, case) in runner.record.items():
+    for key, (experiment, case, place) in runner.record.items():
         own = flat(as_table(case))
         changed = changes(given.get(experiment, {}), own) if experiment in given else None
-        status = COMPUTED if place in runner.computed else CACHED
+        status = COMPUTED if key in runner.computed else CACHED
         rows.append(
             RunRow(
                 experiment=experiment,
@@ -55,7 +55,7 @@ def run_rows(runner, question):
                 else "; ".join(f"{k}={v}" for k, v in changed.items()),
                 cell_size_m=case.grid.cell_size,
                 end_s=case.time.end,
-                status=FAILED if place in runner.failed else status,
+                status=FAILED if key in runner.failed else status,
                 cache_folder=str(place),
             )
         )

@@ -11,10 +11,9 @@ from fvcollapse.case.case import case_from_text
 from fvcollapse.output.run import run_case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import assembly, coefficients
-from fvcollapse.step.advance import STAGES
-from fvcollapse.step.balance import balance_of
-from fvcollapse.step.banded import allocate_system, factorise, solve_factorised
-from fvcollapse.step.compiled import kernel_jit
+from fvcollapse.step.advance import STAGES, balance_of
+from fvcollapse.step.banded import allocate_system, clear, factorise, solve_factorised
+from fvcollapse.step.compiled import from_python, kernel_jit
 
 TERMS = {
     "move_surface": "surface",
@@ -26,6 +25,7 @@ TERMS = {
 }
 SAMPLES = 20  # instants at which the parts of a sweep are timed
 REPEATS = 3
+BALANCE_OF = from_python(balance_of)
 PARTS = ("coefficients", "assembly", "factorisation", "substitution")
 
 
@@ -63,40 +63,47 @@ class TimedSimulation(Simulation):
         self.began = self.ended = self.probing = 0.0
         self.sweep_parts = []
 
-    def advance(self, time_limit):
+    def march(self, time_limit, steps, guarded=True):
         """One step, counted."""
         self.began = self.began or time.perf_counter()
-        record = super().advance(time_limit)
+        marched = super().march(time_limit, min(steps, 1), guarded)
         cells = np.count_nonzero(self.geometry.filled)
-        self.sweeps += record.sweeps
-        self.unknowns += record.sweeps * (self.ends.size + cells)
-        self.cells += cells
-        self.steps += 1
+        for record in marched.records:
+            self.sweeps += record.sweeps
+            self.unknowns += record.sweeps * (unknown_faces(self.geometry) + cells)
+            self.cells += cells
+            self.steps += 1
         if self.state.time >= self.case.time.end * (len(self.sweep_parts) + 0.5) / SAMPLES:
             start = time.perf_counter()
             self.sweep_parts.append(time_sweep(self) | {"sweeps": self.sweeps})
             self.probing += time.perf_counter() - start
         self.ended = time.perf_counter()
-        return record
+        return marched
+
+
+def unknown_faces(geometry):
+    """Number of the faces whose velocity is unknown."""
+    return 1 + max(int(geometry.index_u.max()), int(geometry.index_w.max()))
 
 
 def time_sweep(simulation):
     """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
     state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
-    band, rhs = allocate_system(simulation.ends)
-    balance, spacing = balance_of(simulation, state.dt), simulation.spacing
+    flow, spacing = simulation.flow(), simulation.spacing
+    ends = STAGES.place(flow, state.time, False)
+    band, rhs = allocate_system(ends)
+    balance = BALANCE_OF(flow, state.dt)
     fields = state.u, state.w, state.pressure_filled
 
     def compute():
         coefficients.coefficients(
-            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing
+            work, *fields, state.bed_slip, geometry, simulation.material, balance, *spacing, True
         )
 
     def put_together():
         assembly.assemble(
             band,
             rhs,
-            simulation.ends,
             work,
             state.pressure_filled,
             state.u,
@@ -108,10 +115,17 @@ def time_sweep(simulation):
 
     parts = {"coefficients": best(compute), "assembly": best(put_together)}
     coefficients_read = np.count_nonzero(band)
-    both = best(lambda: (put_together(), factorise(band, simulation.ends)))
-    parts["factorisation"] = both - parts["assembly"]
-    parts["substitution"] = best(lambda: solve_factorised(rhs, band, simulation.ends))
-    unknowns = simulation.ends.size + np.count_nonzero(geometry.filled)
+    emptied = best(lambda: clear(band, ends))
+    both = best(
+        lambda: (
+            clear(band, ends),
+            put_together(),
+            factorise(band, ends),
+        )
+    )
+    parts["factorisation"] = both - parts["assembly"] - emptied
+    parts["substitution"] = best(lambda: solve_factorised(rhs, band, ends))
+    unknowns = ends.size + np.count_nonzero(geometry.filled)
     return parts | {"unknowns": unknowns, "coefficients_read": coefficients_read}
 
 

@@ -50,6 +50,7 @@ from fvcollapse.verification.exact.steady import (
     incline_drucker_prager,
 )
 from fvcollapse.verification.exact.surfaces import disc, rotation, single_vortex, slotted_disc
+from fvcollapse.verification.exact.thin_layers import stopping_thickness
 from fvcollapse.verification.exact.unsteady import (
     block_acceleration,
     block_speed,

@@ -9,7 +9,8 @@ from fvcollapse.verification.problems import (
     motion,
     steady,
     surface,
+    thin_layers,
 )
 
-GROUPS = (steady, motion, chutes, box, manufactured, surface, collapse, growth)
+GROUPS = (steady, motion, chutes, thin_layers, box, manufactured, surface, collapse, growth)
 PROBLEMS = tuple(problem for group in GROUPS for problem in group.PROBLEMS)

@@ -2,10 +2,8 @@
 
 import math
 
-from fvcollapse.step.terms import Impulse
 
-
-def before_solve(simulation, u_star, w_star, balance):
-    """Return the impulse of the drag, and the balance as it is."""
-    change = math.expm1(-simulation.case.effects.linear_drag.c * balance.dt)
-    return Impulse(change * u_star, change * w_star), balance
+def before_solve(case, flow, u_star, w_star, balance):
+    """Return the change of the velocity by the drag, m/s."""
+    change = math.expm1(-case.effects.linear_drag.c * balance.dt)
+    return change * u_star, change * w_star
