@@ -10,7 +10,7 @@ from fvcollapse.measure import series_row
 from fvcollapse.measure.series_row import ROW, Reading
 from fvcollapse.step import energy, guards, settling
 from fvcollapse.step.advance import COMPILED, DONE, stepper
-from fvcollapse.step.compiled import from_python, kernel_jit
+from fvcollapse.step.compiled import from_python, inner_jit, kernel_jit
 from fvcollapse.step.coupled import Outcome
 from fvcollapse.step.domain import Room
 from fvcollapse.step.flow import KINETIC, POTENTIAL, TIME
@@ -50,7 +50,8 @@ def marcher(stages):
     """The function `march` with these stages of a step: see its docstring."""
     room_needed, place = stages.room_needed, stages.place
     jit = kernel_jit() if stages is COMPILED else _as_it_is
-    fill_row, broken_law, energies, settle = HELPERS if stages is COMPILED else HELPERS_FROM_PYTHON
+    helpers = HELPERS if stages is COMPILED else HELPERS_FROM_PYTHON
+    note_step, fill_row, broken_law, energies, settle = helpers
     _, take_step = stepper(stages)
 
     @jit
@@ -95,9 +96,7 @@ def marcher(stages):
             outcome = step.outcome
             if step.code != DONE:
                 return Ended(step.code, n, room, outcome), memory
-            log[n, 0], log[n, 1], log[n, 2] = numbers[TIME], step.dt, outcome.sweeps
-            log[n, 3], log[n, 4] = outcome.change, outcome.divergence
-            log[n, 5], log[n, 6] = not outcome.settled, step.added
+            note_step(log[n], numbers[TIME], step)
             fill_row(rows[n], flow, plan.reading)
             if plan.guarded:
                 law, _, _ = broken_law(flow, plan.watch, rows[n, VOLUME], rows[n, SPEED])
@@ -109,10 +108,19 @@ def marcher(stages):
     return march
 
 
+@inner_jit()
+def note_step(line, time, step):
+    """Fill a line of the log (len(LOG),) with the report of a step that ended at `time` (s)."""
+    outcome = step.outcome
+    line[0], line[1], line[2] = time, step.dt, outcome.sweeps
+    line[3], line[4] = outcome.change, outcome.divergence
+    line[5], line[6] = not outcome.settled, step.added
+
+
 def _as_it_is(function):
     return function
 
 
-HELPERS = series_row.fill_row, guards.broken_law, energy.energies, settling.settle
+HELPERS = note_step, series_row.fill_row, guards.broken_law, energy.energies, settling.settle
 HELPERS_FROM_PYTHON = tuple(from_python(helper) for helper in HELPERS)
 march = marcher(COMPILED)

@@ -25,7 +25,8 @@ from fvcollapse.march import (
 )
 from fvcollapse.measure.series_row import ROW, reading_of
 from fvcollapse.step import quantities
-from fvcollapse.step.advance import DONE, REFUSED, STAGES, TOO_SHORT, StepRecord, problem_of
+from fvcollapse.step.acceptance import problem_of
+from fvcollapse.step.advance import DONE, REFUSED, STAGES, TOO_SHORT, StepRecord
 from fvcollapse.step.compiled import from_python
 from fvcollapse.step.constants import constants_of
 from fvcollapse.step.domain import allocate, make_room
@@ -88,6 +89,7 @@ class Simulation:
             constants.layer,
         )
         self.response, self.packing_0 = response, constants.packing_0
+        self.gravity = constants.balance.gx, constants.balance.gz
 
     def _begin(self, begin):
         """Geometry, energy and series are those of the state: placed, or settled behind the closed gate.
@@ -194,16 +196,8 @@ class Simulation:
         return self._flow(self.state.copy())
 
     def _flow(self, before):
-        return flow_of(
-            self.state,
-            before,
-            self._energy,
-            self.carrier,
-            self.geometry,
-            self.work,
-            self.unit_packing,
-            self.constants,
-        )
+        arrays = self._energy, self.carrier, self.geometry, self.work, self.unit_packing
+        return flow_of(self.state, before, arrays, self.constants)
 
     def place(self):
         """The geometry is that of the present surface, with the gate where it is now."""

@@ -13,7 +13,14 @@ from fvcollapse.simulation import Simulation
 from fvcollapse.studies import bench
 from fvcollapse.studies.bench import case_list, measured, report
 
-CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.02, "effects.lateral_friction": {}})
+CASE = Case().replace(
+    **{
+        "grid.cell_size": 0.02,
+        "time.end": 0.02,
+        "time.step_max": 5e-4,
+        "effects.lateral_friction": {},
+    }
+)
 
 
 def run(kind):

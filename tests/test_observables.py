@@ -6,6 +6,9 @@ from fake_simulation import FakeSimulation
 
 from fvcollapse.case.case import Case
 from fvcollapse.measure import observables, pile
+from fvcollapse.measure.series_row import ROW, fill_row, reading_of
+from fvcollapse.simulation import Simulation
+from fvcollapse.step.compiled import from_python
 from fvcollapse.step.grid import Grid
 from fvcollapse.step.state import State
 
@@ -197,40 +200,43 @@ def test_arrest_time():
 # -- all together ------------------------------------------------------------------------------
 
 
-def test_measure_of_the_spreading_triangle():
-    case = Case().replace(**{"grid.cell_size": 0.01})
-    simulation = FakeSimulation(case)
-    row = observables.measure(
-        simulation.state,
-        simulation.grid,
-        simulation.cell_quantities(),
-        {"kinetic": 3.0, "potential": 2.0},
-        case,
-    )
-    long, top = 2 * case.geometry.length_0, case.geometry.height_0
+def test_row_of_a_column_at_rest():
+    """The series of the column behind its gate."""
+    case = Case().replace(**{"grid.cell_size": 0.01, "geometry.slope_angle_deg": 0.0})
+    row = dict(zip(ROW, Simulation(case).row, strict=True))
+    long, top = case.geometry.length_0, case.geometry.height_0
     assert row["max_thickness"] == pytest.approx(top)
-    assert row["front_position"] == pytest.approx(long * (1 - 0.005 / top))
-    assert row["x_99"] == pytest.approx(0.9 * long, abs=2e-3)  # beyond it a triangle of 1 %
-    assert row["relative_volume"] == 0.0
-    assert row["kinetic_energy"] == 3.0
-    assert row["max_speed"] == 0.0
-    assert row["ill_posed_fraction"] == 0.0
+    assert row["front_position"] == pytest.approx(long, abs=0.01)
+    assert row["x_99"] == pytest.approx(0.99 * long)
+    assert row["detached_volume"] == row["relative_volume"] == row["max_speed"] == 0.0
+    weight = case.rheology.density_bulk * 9.81 * long * top
+    assert row["potential_energy"] == pytest.approx(0.5 * weight * top)
     assert row["negative_pressure_cells"] == 0
 
 
-def test_measure_counts_suction_and_ill_posed_volume():
-    case = Case().replace(**{"grid.cell_size": 0.01})
-    simulation = FakeSimulation(case)
-    state, quantities = simulation.state, simulation.cell_quantities()
+def test_row_counts_suction_and_what_has_left():
+    simulation = Simulation(Case().replace(**{"grid.cell_size": 0.01}))
+    state = simulation.state
     state.u[:] = 1.0
-    quantities["ill_posed"] = np.zeros_like(quantities["ill_posed"])
-    quantities["ill_posed"][:, 0] = True
-    quantities["pressure"][2, :2] = -5.0
-    quantities["pressure"][3, 0] = -1e-9  # round-off is no suction
+    state.pressure_filled[2, :2] = -5.0
+    state.pressure_filled[3, 0] = -1e-9  # round-off is no suction
     state.volume_outflow = 0.1 * state.volume_0
-    row = observables.measure(state, simulation.grid, quantities, simulation.energies(), case)
-    filled = quantities["filled_fraction"]
-    assert row["ill_posed_fraction"] == pytest.approx(filled[:, 0].sum() / filled.sum())
+    row = np.empty(len(ROW))
+    from_python(fill_row)(row, simulation.flow(), reading_of(simulation.case))
+    row = dict(zip(ROW, row, strict=True))
     assert row["negative_pressure_cells"] == 2
     assert row["max_speed"] == 1.0
     assert row["relative_volume"] == pytest.approx(0.1)
+
+
+def test_ill_posed_share_is_that_of_the_flowing_volume():
+    simulation = FakeSimulation(Case().replace(**{"grid.cell_size": 0.01}))
+    simulation.state.u[:] = 1.0
+    quantities = simulation.cell_quantities()
+    quantities["ill_posed"] = np.zeros_like(quantities["ill_posed"])
+    quantities["ill_posed"][:, 0] = True
+    filled = quantities["filled_fraction"]
+    share = pile.ill_posed_share(simulation.state, quantities)
+    assert share == pytest.approx(filled[:, 0].sum() / filled.sum())
+    simulation.state.u[:] = 0.0
+    assert pile.ill_posed_share(simulation.state, quantities) == 0.0

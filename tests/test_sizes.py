@@ -13,6 +13,10 @@ FILE_LINES, CODE_LINES, ARGUMENTS, KERNEL_ARGUMENTS = 300, 40, 6, 10
 EXCEPTIONS = {
     ("diagnosis/diagnose.py", "diagnose"): "the public call: one argument for each option",
     ("output/run.py", "run_case"): "the public call: one argument for each option",
+    ("step/advance.py", "stepper"): "the text of a step, for kernels and for plain Python",
+    ("march.py", "marcher"): "the text of a march, for kernels and for plain Python",
+    ("step/plain_terms.py", "project"): "a stage: the arguments of the compiled one",
+    ("step/coefficients.py", "coefficients"): "entry from Python with fields and constants",
     ("step/coupled.py", "solve"): "the loop over the sweeps: every call takes arrays of its own",
     (
         "step/momentum.py",
@@ -38,7 +42,6 @@ EXCEPTIONS = {
     ("step/lanes.py", "subtract_rows"): "rows of a band by pointer and stride",
     ("step/lanes.py", "scale_rows"): "rows of a band by pointer and stride",
     ("step/lanes.py", "subtract_block"): "rows of a band by pointer and stride",
-    ("step/cell_transport.py", "transport_cells"): "flow, surface and aperture of two instants",
     ("step/projection.py", "solve"): "the reference method has the arguments of the coupled one",
     (
         "step/projection.py",

@@ -15,8 +15,8 @@ from fvcollapse.step.state import EFFECT_FIELDS, FIELDS, SCALARS, State, locatio
 from fvcollapse.version import __version__
 
 FORMAT = "fvcollapse-checkpoint"
-WHOLE = ("step", "travel_steps")  # scalars that count; the others are measured
-NOT_NEGATIVE = ("time", "step", "dt", "volume_0", "volume_correction", "travel", "travel_steps")
+WHOLE = ("step",)  # scalars that count; the others are measured
+NOT_NEGATIVE = ("time", "step", "dt", "volume_0", "volume_correction", "travel")
 
 
 class Checkpoint(NamedTuple):

@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.case.case import GRAVITY
-
+from .acceptance import CHANGE_LIMIT, HALVINGS, change_of, is_sound
 from .arrays import copy
 from .balance import balance_with
 from .compiled import from_python, inner_jit
@@ -46,12 +45,6 @@ from .surface import move_surface
 from .terms import act_before_solve, finish_terms
 from .time_step import choose_step, fit_to
 
-RESIDUAL_TOLERANCE = 1.0e-3  # of the weight per volume; sound solves leave less than 1e-5
-CHANGE_LIMIT = 0.1  # change of the last sweep, relative to the largest speed, that refuses a step
-# Of sqrt(g h0). The sweeps of slower grains may stall, by a tenth of this speed: behind an opening gate they converge
-# neither with steps down to 2e-6 s nor with 200 sweeps. The effect on the flow is gone after 0.1 s.
-SLOW = 0.1
-HALVINGS = 5
 SOFT_STEPS = 10  # first steps, whose sweeps begin with a larger regularisation
 SAME_TIME = 1.0e-12  # s
 
@@ -274,23 +267,6 @@ def _as_it_is(function):
     return function
 
 
-@inner_jit()
-def change_of(outcome, constants):
-    """Change of the velocity in the last sweep, relative to the largest speed, at least that of slow grains."""
-    if outcome.change <= CHANGE_LIMIT:
-        return outcome.change
-    change = outcome.change * max(outcome.speed, constants.balance.speed_scale)
-    return change / max(outcome.speed, constants.slow)
-
-
-@inner_jit()
-def is_sound(outcome, constants):
-    """Whether the outcome of a solve is accepted."""
-    if outcome.info != 0 or not change_of(outcome, constants) <= CHANGE_LIMIT:  # true for NaN
-        return False
-    return not constants.check_residual or outcome.residual <= RESIDUAL_TOLERANCE
-
-
 _KERNELS = (
     repeat,
     packing_of,
@@ -304,26 +280,3 @@ _KERNELS = (
     is_sound,
 )
 _FROM_PYTHON = tuple(from_python(kernel) for kernel in _KERNELS)
-
-
-def problem_of(outcome, constants):
-    """Why the outcome of a solve is refused."""
-    change = change_of.py_func(outcome, constants)
-    if outcome.info != 0:
-        return (
-            f"the factorisation meets pivot {outcome.info}, which is not positive, also after "
-            f"{HALVINGS} halvings of the time step"
-        )
-    if not change <= CHANGE_LIMIT:  # true for NaN
-        return (
-            f"the nonlinear sweeps still change the velocity by {change:.2g} (limit "
-            f"{CHANGE_LIMIT}) after {HALVINGS} halvings of the time step"
-        )
-    return (
-        f"the linear solve leaves {outcome.residual:.2g} of the weight (limit {RESIDUAL_TOLERANCE})"
-    )
-
-
-def slow_speed(case):
-    """Speed, m/s, of grains whose sweeps may stall (`SLOW`)."""
-    return SLOW * math.sqrt(GRAVITY * case.geometry.height_0)

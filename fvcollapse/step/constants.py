@@ -4,7 +4,7 @@ import math
 
 from fvcollapse.case.case import GRAVITY
 
-from .advance import slow_speed
+from .acceptance import slow_speed
 from .balance import balance_at_rest, soft_rate
 from .dilatancy import initial_fraction
 from .domain import RIGHT_ENDS

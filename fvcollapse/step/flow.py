@@ -105,21 +105,18 @@ class Flow(NamedTuple):
     constants: Constants
 
 
-def flow_of(state, before, energy, carrier, geometry, work, unit_packing, constants):
+def flow_of(state, before, arrays, constants):
     """The `Flow` of a state and of a copy of it, `before`, which takes what the state holds at the start of each step.
 
-    Only of a state that is a copy (`State.copy`) steps can be taken.
+    `arrays` are energy, carrier, geometry, work and unit packing (see `Flow`). Only of a state that is a copy
+    (`State.copy`) steps can be taken.
     """
     return Flow(
         fields_of(state),
         Before(before.level_set, before.u, before.w),
         getattr(state, "store", before.store),
         before.store,
-        energy,
-        carrier,
-        geometry,
-        work,
-        unit_packing,
+        *arrays,
         constants,
     )
 

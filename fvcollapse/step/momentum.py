@@ -17,7 +17,7 @@ import numpy as np
 from .arrays import average
 from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments, wetted_edge
-from .passages import list_passages, transport
+from .passages import list_passages, transport, with_ghosts
 
 
 @inner_jit()
@@ -205,32 +205,6 @@ def mass_fluxes(
                     across_w[i, k] += _laden(flux, packing, i, k - 1, 1, 0)
                     flux = 0.5 * x * _wetted_half(phi, i, k, i, k + 1) * high
                     across_w[i, k] += _laden(flux, packing, i, k, 1, 0)
-
-
-@inner_jit()
-def with_ghosts(field, slip, odd_x, odd_z):
-    """Copy of a velocity component with two more faces on each side.
-
-    Back wall and bed mirror it: about zero the component normal to them (odd), u about the slip of
-    the bed; the far end continues it linearly, the top repeats the last face.
-    """
-    nx, nz = field.shape
-    padded = np.empty((nx + 4, nz + 4))
-    for i in range(nx):
-        for k in range(nz):
-            padded[i + 2, k + 2] = field[i, k]
-    for m in range(2):
-        for k in range(nz):
-            last, before = field[nx - 1, k], field[nx - 2, k]
-            padded[1 - m, k + 2] = -field[1 + m, k] if odd_x else field[m, k]
-            padded[nx + 2 + m, k + 2] = last + (m + 1) * (last - before)
-    for m in range(2):
-        for i in range(nx + 4):
-            inner = padded[i, 3 + m] if odd_z else padded[i, 2 + m]
-            about = 0.0 if odd_z else slip[min(max(i - 2, 0), nx - 1)]
-            padded[i, 1 - m] = 2.0 * about - inner
-            padded[i, nz + 2 + m] = padded[i, nz + 1]
-    return padded
 
 
 @inner_jit()

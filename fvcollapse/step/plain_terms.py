@@ -38,40 +38,41 @@ def stages_with(stages, case, terms):
     )
     for name, functions, wrap in pairs:
         if functions:
-            changed[name] = partial(wrap, case, [f for _, f in functions], getattr(stages, name))
+            bound = [partial(function, case) for _, function in functions]
+            changed[name] = partial(wrap, bound, getattr(stages, name))
     return stages._replace(**changed) if changed else stages
 
 
-def limited(case, functions, choose_step, flow, time_limit):
+def limited(functions, choose_step, flow, time_limit):
     """The step that all limits allow, s."""
-    limits = [limit(case, flow.fields) for limit in functions]
+    limits = [limit(flow.fields) for limit in functions]
     return min(choose_step(flow, time_limit), *limits)
 
 
-def carried(case, functions, move_surface, flow, dt):
+def carried(functions, move_surface, flow, dt):
     """The surface has moved, and the fields of the terms with it."""
     moved = move_surface(flow, dt)
     for carry in functions:
-        carry(case, flow, dt)
+        carry(flow, dt)
     return moved
 
 
-def pushed(case, functions, act_before_solve, flow, u_star, w_star, balance):
+def pushed(functions, act_before_solve, flow, u_star, w_star, balance):
     """The impulse of all terms, and the balance that is left for the solve."""
     impulse, left = act_before_solve(flow, u_star, w_star, balance)
     u, w = np.zeros_like(u_star), np.zeros_like(w_star)
     for before_solve in functions:
-        change_u, change_w = before_solve(case, flow, u_star, w_star, balance)
+        change_u, change_w = before_solve(flow, u_star, w_star, balance)
         u += change_u
         w += change_w
     return impulse._replace(bulk_u=u, bulk_w=w), left
 
 
-def finished(case, functions, finish_terms, flow, dt):
+def finished(functions, finish_terms, flow, dt):
     """The fields of all terms are those at the end of the step."""
     finish_terms(flow, dt)
     for finish in functions:
-        finish(case, flow, dt)
+        finish(flow, dt)
 
 
 def project(flow, ends, u_star, w_star, impulse, balance, memory):

@@ -167,16 +167,15 @@ def transport(surface, velocity, duration, cells, courant=0.5):
     fastest = np.hypot(*velocity(x, z, 0.0)).max()
     count = math.ceil(duration * fastest / (courant * h))
     dt = duration / count
-    travel, since = 0.0, 0
+    travel = 0.0
     for step in range(count):
         u, w = velocity(x, z, (step + 0.5) * dt)
         level_set.advect(phi, u + 0.0 * x, w + 0.0 * x, dt, h, h)
         heed_interrupt()
         travel += np.hypot(u, w).max() * dt / h
-        since += 1
-        if redistancing.needs_restoring(travel, since):
+        if travel >= redistancing.RESTORE_AFTER:
             redistancing.reinitialise(phi, redistancing.SWEEPS, h, h)
-            travel, since = 0.0, 0
+            travel = 0.0
     return phi
 
 

@@ -6,10 +6,12 @@ import numpy as np
 
 from fvcollapse.case.case import GRAVITY, Case
 from fvcollapse.simulation import Simulation
-from fvcollapse.step.balance import balance_of
+from fvcollapse.step.advance import balance_of
 from fvcollapse.step.coefficients import coefficients
+from fvcollapse.step.compiled import from_python
 
 SLOPE = 22.0
+BALANCE_OF = from_python(balance_of)
 
 
 def bed_of_tongue(tolerance, max_sweeps):
@@ -27,7 +29,7 @@ def bed_of_tongue(tolerance, max_sweeps):
     while simulation.state.time < case.time.end:
         simulation.advance(case.time.end)
     state, geometry, work = simulation.state, simulation.geometry, simulation.work
-    balance, slip = balance_of(simulation, state.dt), state.bed_slip.copy()
+    balance, slip = BALANCE_OF(simulation.flow(), state.dt), state.bed_slip.copy()
     coefficients(
         work,
         state.u,

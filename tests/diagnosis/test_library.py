@@ -8,7 +8,7 @@ from toy_laboratory import PlannedQuestion, ToyRunner, film
 
 from fvcollapse import load_experiment
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.diagnosis.baseline import baseline_cases, refined, run_end
+from fvcollapse.diagnosis.baseline import LONGEST_STEP, baseline_cases, refined, run_end
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
 from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.levels import applicable_effects, closures_of, design
@@ -47,7 +47,7 @@ def test_baseline_is_the_set_up_without_effects(experiments, cases):
     assert case.geometry.channel_width == 0.2
     assert case.effects == type(case.effects)()
     assert case.grid.cell_size == pytest.approx(0.14 / 12)
-    assert case.time.step_max == pytest.approx(0.02 * (0.14 / GRAVITY) ** 0.5)
+    assert case.time.step_max == pytest.approx(LONGEST_STEP * (0.14 / GRAVITY) ** 0.5)
     assert baseline_cases(experiments, cell_size=0.02)["s16_w0.1"].grid.cell_size == 0.02
 
 

@@ -9,9 +9,10 @@ import pytest
 from fvcollapse.case.case import Case
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import level_set
-from fvcollapse.step.dilatancy import Dilatancy, carry, expansion, limit
+from fvcollapse.step.dilatancy import Dilatancy, expansion, limit
+from fvcollapse.step.domain import allocate
 from fvcollapse.step.geometry import cell_fractions
-from fvcollapse.step.state import FIELDS
+from fvcollapse.step.state import FIELDS, State
 from fvcollapse.verification import exact
 from fvcollapse.verification.exact.layer import inertial_number_at
 from fvcollapse.verification.flows import layer, layer_case, run_until
@@ -20,6 +21,7 @@ K, NU_C, SLOPE = 4.0, 0.60, 0.15
 LAW = Dilatancy(factor=K, fraction_critical=NU_C, slope=SLOPE, fraction_bulk=0.62)
 GRAIN_SCALE = 0.035
 COARSE = {"grid.cell_size": 0.02, "effects.lateral_friction": {}}
+CARRY = from_python(carry)
 
 
 def start(**effect):
@@ -118,8 +120,10 @@ def test_without_pressure_nu_falls_to_its_value_at_inertial_number_one():
 
 
 def test_limit_of_the_time_step_is_a_tenth_of_the_volume():
-    assert limit(SimpleNamespace(dilation_rate=np.array([[0.5, -20.0]]))) == pytest.approx(0.005)
-    assert limit(SimpleNamespace(dilation_rate=np.zeros((2, 2)))) == math.inf
+    rates = np.array([[0.5, -20.0]]), np.zeros((2, 2))
+    fast, resting = (limit.py_func(SimpleNamespace(dilation_rate=rate)) for rate in rates)
+    assert fast == pytest.approx(0.005)
+    assert resting == math.inf
 
 
 @pytest.mark.parametrize("rate", [0.5, -0.5])
@@ -130,20 +134,21 @@ def test_a_disc_that_expands_everywhere_alike_keeps_its_mass(rate):
     u = np.repeat(0.5 * rate * nodes[:, None], cells, axis=1)
     w = np.repeat(0.5 * rate * nodes[None, :], cells, axis=0)
     x, z = np.meshgrid(nodes, nodes, indexing="ij")
-    state = SimpleNamespace(
-        u=u,
-        w=w,
-        level_set=np.hypot(x, z) - 0.25,
-        solid_fraction=np.full((cells, cells), 0.6),
-        dilation_rate=np.full((cells, cells), rate),
-    )
+    simulation = Simulation(Case().replace(**{"effects.dilatancy": {}}))
+    state = State(np.hypot(x, z) - 0.25, u, w, np.zeros((cells, cells)), np.zeros(cells + 1))
+    state.solid_fraction = np.full((cells, cells), 0.6)
+    state.dilation_rate = np.full((cells, cells), rate)
+    simulation.state = state = state.copy()
+    allocate(simulation)
+    simulation.constants = simulation.constants._replace(dx=1.0 / cells, dz=1.0 / cells)
+    simulation.carrier.u[:], simulation.carrier.w[:] = u, w
     area = cell_fractions(state.level_set).sum()
     for _ in range(steps):
-        old = state.level_set.copy()
+        flow = simulation.flow()
         level_set.advect(
             state.level_set, 0.5 * rate * x, 0.5 * rate * z, dt, 1.0 / cells, 1.0 / cells
         )
-        carry(state, np.ones_like(u), old, dt, 1.0 / cells, 1.0 / cells)
+        CARRY(flow, dt)
     filled = cell_fractions(state.level_set)
     growth = math.exp(rate * steps * dt)
     assert filled.sum() / area == pytest.approx(growth, rel=1e-3)

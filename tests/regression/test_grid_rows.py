@@ -6,12 +6,13 @@ import pytest
 from fvcollapse.case.case import Case
 from fvcollapse.measure.pile import thickness
 from fvcollapse.simulation import Simulation
-from fvcollapse.step import domain
+from fvcollapse.step.advance import STAGES
+from fvcollapse.step.domain import make_room
 
 END = 1.0  # s; the pile is then a third as high as the column
 
 
-def collapse():
+def collapse(stages=STAGES):
     case = Case().replace(
         **{
             "geometry.slope_angle_deg": 22.0,
@@ -19,7 +20,7 @@ def collapse():
             "effects.lateral_friction": {},
         }
     )
-    found = Simulation(case)
+    found = Simulation(case, stages=stages)
     fastest = 0.0
     while found.state.time < END:
         found.advance(END)
@@ -29,9 +30,12 @@ def collapse():
 
 @pytest.fixture(scope="module")
 def whole():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(domain, "SPARE", 10**6)
-        return collapse()
+    """The collapse on a grid that keeps all its rows."""
+    return collapse(STAGES._replace(room_needed=keep_all))
+
+
+def keep_all(flow):
+    return STAGES.room_needed(flow)._replace(keep=0)
 
 
 def test_the_collapse_is_the_same_on_fewer_rows(whole):
@@ -48,7 +52,7 @@ def test_grains_that_rise_again_get_new_rows():
     phi = grown.state.level_set
     phi[:, 8:] = phi[:, :-8].copy()  # the pile, eight rows higher
     phi[:, :8] = phi[:, 8:9]
-    domain.place(grown, grown.state.time)
-    domain.fit_grid(grown)
+    grown.place()
+    make_room(grown, STAGES.room_needed(grown.flow()))
     assert grown.grid.nz > rows
     assert np.all(grown.state.level_set[:, -1] > 0.0)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY, Case
-from fvcollapse.measure.observables import front_position, thickness
+from fvcollapse.measure.pile import front_position, thickness
 from fvcollapse.simulation import Simulation
 from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import run_until
