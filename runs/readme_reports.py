@@ -4,7 +4,7 @@ import textwrap
 from pathlib import Path
 
 from fvcollapse.diagnosis.report import read_report
-from fvcollapse.diagnosis.report.sentences import answer
+from fvcollapse.diagnosis.report.sentences import answer, headline
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
 from runs.readme_tables import stored, table
@@ -190,5 +190,8 @@ def reductions(scores):
 def diagnosis_example():
     """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
     report = read_report(RUNS / EXAMPLE)
-    lines = [textwrap.fill(sentence, TEXT_WIDTH) for sentence in answer(report)]
+    lines = [
+        textwrap.fill(line, TEXT_WIDTH, subsequent_indent="  ")
+        for line in (headline(report), *answer(report))
+    ]
     return "\n".join(["```text", *lines, "```\n"])

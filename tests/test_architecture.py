@@ -21,7 +21,7 @@ LAYERS = (
     "effects.effect effects.conditions",
     "effects",
     "effects.catalogue",
-    "effects.table",
+    "effects.table effects.template",
     "case.rules",
     "case",
     "step",

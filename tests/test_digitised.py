@@ -276,3 +276,23 @@ def test_a_full_disk_leaves_no_half_of_an_experiment(files, capsys, monkeypatch)
     assert imported("--front", "front.txt") == 2
     assert "no space left" in capsys.readouterr().err
     assert not (files / "beads").exists()
+
+
+def test_positions_from_the_gate_become_positions_from_the_wall(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("f.txt").write_text("0 0\n100 4\n200 11\n")
+    front = ["--front", "f.txt", "--length-unit", "cm", "--time-unit", "ms", "--front-from", "gate"]
+    assert imported(*front) == 2
+    assert "--set geometry.length_0=VALUE" in capsys.readouterr().err
+    assert not Path("beads").exists()
+    assert imported(*front, "--set", "geometry.length_0=0.2") == 0
+    rows = Path("beads/front.csv").read_text().splitlines()[1:]
+    assert [float(row.split(",")[1]) for row in rows] == pytest.approx([0.20, 0.24, 0.31])
+    assert imported(*front, "--force") == 0  # the length is in the folder now
+
+
+def test_a_folder_of_nothing_is_not_made(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert imported() == 2
+    assert "no curve and no --set" in capsys.readouterr().err
+    assert not Path("beads").exists()

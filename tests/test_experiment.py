@@ -296,3 +296,12 @@ def test_interpolation_is_exact_for_what_is_linear():
     assert on_points(time, x, values, early, x[:1])[0] == values[0, 0]
     assert on_points(time, x, values, late, x[:1])[0] == values[2, 0]
     assert on_points(time[:1], x, values[:1], late, x[1:2])[0] == values[0, 1]
+
+
+def test_a_folder_of_experiments_names_what_is_inside(tmp_path):
+    for name in ("beads", "sand"):
+        write_experiment(tmp_path / name)
+    with pytest.raises(
+        InputError, match="no experiment.toml, but experiments in it; allowed: beads, sand"
+    ):
+        load_experiment(tmp_path)

@@ -1,6 +1,7 @@
 """What a run leaves in its folder: names, shapes, units, growth, XDMF, log, summary."""
 
 import io
+import sys
 import xml.etree.ElementTree as xml
 
 import h5py
@@ -11,10 +12,11 @@ from fake_simulation import FakeSimulation, height, length
 import fvcollapse
 from fvcollapse import open_result
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.console.bars import progress_bar
+from fvcollapse.console.bars import progress_bar, runs_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
+from fvcollapse.output import compilation, stored_names
 from fvcollapse.output import run as output
-from fvcollapse.output import stored_names
+from fvcollapse.step.geometry import cell_fractions
 
 SERIES = [
     "time",
@@ -235,13 +237,17 @@ def dimensions(element):
     return tuple(int(number) for number in element.get("Dimensions").split())
 
 
-def test_xdmf_velocity_is_the_mean_of_the_faces(folder):
+def test_xdmf_velocity_is_the_mean_of_the_faces_and_zero_outside_of_the_grains(folder):
     field = open_result(folder).field(2)
+    filled = cell_fractions(field["level_set"]) > 0.0
+    assert 0.1 < filled.mean() < 0.9
     with h5py.File(folder / "result.h5") as file:
         velocity, nodes = file["paraview/2/velocity"][:], file["paraview/2/coordinates"][:]
     u, w = field["u"], field["w"]
-    np.testing.assert_allclose(velocity[..., 0], 0.5 * (u[:-1] + u[1:]), rtol=1e-6)
-    np.testing.assert_allclose(velocity[..., 1], 0.5 * (w[:, :-1] + w[:, 1:]), rtol=1e-6)
+    means = 0.5 * (u[:-1] + u[1:]), 0.5 * (w[:, :-1] + w[:, 1:])
+    for component, mean in enumerate(means):
+        np.testing.assert_allclose(velocity[..., component], np.where(filled, mean, 0.0), rtol=1e-6)
+    assert np.abs(means[0][~filled]).max() > 0.0  # the stored field itself is not masked
     np.testing.assert_allclose(nodes[3, 2], [3 * field["dx"], 2 * field["dz"], 0.0], rtol=1e-6)
 
 
@@ -266,3 +272,36 @@ def test_progress_bar_only_on_a_terminal(case, monkeypatch):
         text = stream.getvalue()
         assert bool(text) == shown
         assert not shown or ("0.150/0.300 s" in text and "step 3, dt" in text)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("columns", ["80", "0"])
+def test_a_bar_over_runs_counts_them(columns, monkeypatch):
+    """Also where the terminal says that it has no columns."""
+    monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    with runs_bar(4, quiet=False) as bar:
+        bar.update()
+        bar.refresh()
+        assert "1/4" in sys.stderr.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("compiled", "quiet", "told"), [(False, False, 1), (True, False, 0), (False, True, 0)]
+)
+def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, monkeypatch):
+    monkeypatch.setattr(compilation, "TOLD", [])
+    monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
+    monkeypatch.setattr("sys.stderr", Terminal())
+    compilation.tell_compilation(quiet)
+    compilation.tell_compilation(quiet)
+    assert sys.stderr.getvalue().count(compilation.NOTICE) == told
+
+
+def test_kernels_that_have_run_are_compiled(case, tmp_path):
+    output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
+    assert compilation.is_compiled()

@@ -104,7 +104,10 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_the_bar_counts_all_rounds_by_what_they_cost(monkeypatch):
+@pytest.mark.parametrize("columns", ["80", "0"])
+def test_the_bar_counts_all_rounds_by_what_they_cost(columns, monkeypatch):
+    """Also where the terminal says that it has no columns."""
+    monkeypatch.setenv("COLUMNS", columns)
     monkeypatch.setattr(sys, "stderr", Terminal())
     bar = RoundsBar({"second": [2.0, 2.0], "third": [4.0]}, quiet=False)
     bar.begin("first", [8.0, 1.0, 1.0], 20.0)  # half of the runs are at hand

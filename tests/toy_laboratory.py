@@ -7,11 +7,13 @@ with its effects, so that every effect has a signature of its own and calibrated
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import cos, inf, radians, sqrt, tan
+from pathlib import Path
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.diagnosis.question import Question
+from fvcollapse.diagnosis.runner import RunRecord
 from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.observables import Observations
 from fvcollapse.measure.quantities import CURVES
@@ -92,11 +94,12 @@ class ToyRunner:
     """In the place of `runner.Runner`; counts what was asked for."""
 
     def __init__(self, *_, **__):
-        self.asked, self.computed = set(), set()
+        self.asked, self.computed, self.failed, self.record = set(), set(), set(), {}
 
     def observations(self, wanted, phase=""):
-        for _, case in wanted.values():
+        for experiment, case in wanted.values():
             self.asked.add(case.to_toml())
+            self.record.setdefault(case.to_toml(), RunRecord(experiment.name, case, Path()))
         self.computed = set(self.asked)
         return {label: collapse(case) for label, (_, case) in wanted.items()}, {}
 

@@ -53,6 +53,15 @@ def add_scheduler(parser):
     )
 
 
+def add_dry_run(parser):
+    """The option that only says what would be run."""
+    parser.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="only print the number of runs and the time they take",
+    )
+
+
 def add_quiet(parser):
     """The option without a progress bar."""
     parser.add_argument("--quiet", action="store_true", help="no progress bar")

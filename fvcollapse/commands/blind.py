@@ -1,6 +1,7 @@
 """`blind`: the blind check of the diagnosis."""
 
 from fvcollapse.commands import blind_make, blind_score
+from fvcollapse.commands.parser import add_commands
 
 
 def add_parser(commands):
@@ -10,6 +11,6 @@ def add_parser(commands):
         help="make sealed synthetic cases, score the answers to them",
         description="The blind check of the diagnosis.",
     )
-    parts = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parts = add_commands(parser)
     blind_make.add_parser(parts)
     blind_score.add_parser(parts)

@@ -7,30 +7,47 @@ where results may be written, `console.interruption` what a signal does, `consol
 where nothing can be printed.
 """
 
-import argparse
 import os
 import sys
 
 from fvcollapse.commands import (
     bench,
     blind,
+    cache,
+    compare,
     converge,
     diagnose,
     import_curves,
     keys,
+    new,
     plot,
     run,
     sweep,
     verify,
 )
 from fvcollapse.commands.arguments import RULE
+from fvcollapse.commands.parser import Parser, add_commands
 from fvcollapse.console.interruption import ended_at_once, exit_status
 from fvcollapse.console.streams import guarded_streams
-from fvcollapse.errors import FvcollapseError, InputError, one_line
+from fvcollapse.errors import FvcollapseError, one_line
 from fvcollapse.version import __version__
 
 # in the order of `--help`
-COMMANDS = (run, plot, verify, converge, bench, sweep, blind, diagnose, import_curves, keys)
+COMMANDS = (
+    run,
+    new,
+    plot,
+    compare,
+    verify,
+    converge,
+    bench,
+    sweep,
+    blind,
+    diagnose,
+    import_curves,
+    keys,
+    cache,
+)
 
 
 def main(argv=None):
@@ -61,22 +78,13 @@ def outcome(argv):
         return exit_status(error)
 
 
-class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, as all others."""
-
-    def error(self, message):
-        """Refuse the arguments."""
-        usage = f"the arguments listed by `{self.prog} --help`"
-        raise InputError("command line", self.prog, one_line(message), usage)
-
-
 def make_parser():
     """The parser of all commands; the arguments that it reads hold the function to call as `command`."""
     parser = Parser(
         prog="fvcollapse", description="Granular column collapse on a slope.", epilog=RULE
     )
     parser.add_argument("--version", action="version", version=__version__)
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    commands = add_commands(parser)
     for command in COMMANDS:
         command.add_parser(commands)
     return parser

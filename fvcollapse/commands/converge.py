@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fvcollapse.commands.arguments import add_case, add_force, add_quiet, add_workers
+from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet, add_workers
 from fvcollapse.files.plain_numbers import decimal_number
 
 
@@ -29,6 +29,7 @@ def add_parser(commands):
     add_force(parser)
     add_workers(parser)
     add_quiet(parser)
+    add_dry_run(parser)
     parser.set_defaults(command=execute)
 
 
@@ -38,12 +39,20 @@ def execute(arguments):
 
     case = load_case(arguments.case, arguments.overrides)
     from fvcollapse.output.question import claim_file
-    from fvcollapse.studies.refinement import AXES, Series, refine
+    from fvcollapse.studies.estimate import plan_of
+    from fvcollapse.studies.refinement import AXES, Series, checked_values, member_case, refine
     from fvcollapse.studies.refinement_report import NAME, table, write_report
     from fvcollapse.studies.workers import Resources
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
     values = getattr(arguments, axis)
+    if arguments.dry_run:
+        members = [
+            member_case(case, axis, value, str(arguments.case))
+            for value in checked_values(axis, values)
+        ]
+        print(plan_of(members).line(arguments.workers))
+        return 0
     folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
     claim_file(arguments.json, arguments.force, copy_of=folder / f"{NAME}.json")
     records = refine(

@@ -3,7 +3,14 @@
 import textwrap
 from pathlib import Path
 
-from fvcollapse.commands.arguments import add_force, add_quiet, add_scheduler, add_workers
+from fvcollapse.commands.arguments import (
+    add_dry_run,
+    add_force,
+    add_quiet,
+    add_scheduler,
+    add_workers,
+)
+from fvcollapse.commands.diagnose_each import diagnose_each
 from fvcollapse.files.plain_numbers import decimal_number, whole_number
 
 
@@ -19,6 +26,12 @@ def add_parser(commands):
     add_workers(parser, 2)
     add_scheduler(parser)
     add_quiet(parser)
+    add_dry_run(parser)
+    parser.add_argument(
+        "--each",
+        action="store_true",
+        help="diagnose each experiment by itself, into <FOLDER>/<its name>; summary.csv has all answers",
+    )
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, required=True, help="folder of the report"
     )
@@ -73,20 +86,36 @@ def add_settings(parser):
 
 def execute(arguments):
     """Compare experiments with a model and its possible effects; continue what is there; write a report."""
-    from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
     from fvcollapse.diagnosis.report import FILE_NAME
     from fvcollapse.diagnosis.report.page import PAGE
-    from fvcollapse.diagnosis.report.sentences import answer
 
-    effects = arguments.effects
-    report = diagnose_all(
-        arguments.experiments,
+    if arguments.dry_run:
+        return print_plan(arguments)
+    if arguments.each:
+        list(questions(arguments))  # all of them are checked before the first is diagnosed
+        return diagnose_each(
+            arguments.experiments,
+            arguments.out,
+            lambda experiment, folder: asked(arguments, [experiment], folder),
+            arguments.force,
+        )
+    print_answer(asked(arguments, arguments.experiments, arguments.out))
+    print(f"\n{arguments.out / FILE_NAME}\n{arguments.out / PAGE}")
+    return 0
+
+
+def asked(arguments, experiments, folder):
+    """The report of some experiments, with the settings of the command."""
+    from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
+
+    return diagnose_all(
+        experiments,
         arguments.case,
         arguments.hold_out,
-        None if effects is None else [name.strip() for name in effects.split(",")],
+        effects_of(arguments),
         arguments.workers,
         arguments.scheduler,
-        arguments.out,
+        folder,
         arguments.cell_size,
         arguments.seed,
         controls=arguments.controls,
@@ -94,12 +123,49 @@ def execute(arguments):
         quiet=arguments.quiet,
         force=arguments.force,
     )
-    for sentence in answer(report):
-        print(textwrap.fill(sentence, 100))
+
+
+def effects_of(arguments):
+    """Names of the effects that are to be tried; None for all."""
+    effects = arguments.effects
+    return None if effects is None else [name.strip() for name in effects.split(",")]
+
+
+def print_answer(report):
+    """Print the headline, the answer and the probability of every hypothesis."""
+    from fvcollapse.diagnosis.report.sentences import answer, headline
+
+    for line in (headline(report), *answer(report)):
+        print(textwrap.fill(line, 100, subsequent_indent="  "))
     print()
     ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
     width = max(len(name) for name, _ in ranked)
     for name, chance in ranked:
         print(f"{name:<{width}}  {chance:6.3f}")
-    print(f"\n{arguments.out / FILE_NAME}\n{arguments.out / PAGE}")
+
+
+def questions(arguments):
+    """The `Question` of all experiments, or of each one."""
+    from fvcollapse.diagnosis.diagnose import ask
+
+    groups = [[one] for one in arguments.experiments] if arguments.each else [arguments.experiments]
+    for group in groups:
+        yield ask(
+            group,
+            arguments.hold_out,
+            arguments.controls,
+            arguments.case,
+            arguments.cell_size,
+            arguments.seed,
+        )
+
+
+def print_plan(arguments):
+    """Print how many runs there would be, and how long they take; nothing is written."""
+    from fvcollapse.diagnosis.plan import plan_diagnosis
+
+    for question in questions(arguments):
+        plan = plan_diagnosis(question, effects_of(arguments), cache=arguments.cache)
+        name = f"{question.experiments[0].name}: " if arguments.each else ""
+        print(f"{name}{plan.line(arguments.workers)}")
     return 0

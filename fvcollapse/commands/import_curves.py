@@ -36,6 +36,22 @@ def add_parser(commands):
             default=choices[0],
             help=f"of the files: {', '.join(choices)}; default {choices[0]}",
         )
+    add_settings(parser)
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, required=True, help="experiment folder"
+    )
+    add_force(parser)
+    parser.set_defaults(command=execute)
+
+
+def add_settings(parser):
+    """Where a front counts from, and the keys of the new experiment."""
+    parser.add_argument(
+        "--front-from",
+        choices=("wall", "gate"),
+        default="wall",
+        help="where the positions of --front count from; gate: geometry.length_0 is added; default wall",
+    )
     parser.add_argument(
         "--set",
         dest="settings",
@@ -44,32 +60,33 @@ def add_parser(commands):
         default=[],
         help="a key of the new experiment.toml; may be repeated",
     )
-    parser.add_argument(
-        "--out", metavar="FOLDER", type=Path, required=True, help="experiment folder"
-    )
-    add_force(parser)
-    parser.set_defaults(command=execute)
 
 
 def execute(arguments):
     """Write digitised curves (x, y; up to three header lines; any column and decimal mark) as an experiment."""
-    from fvcollapse.measure.digitised import Source, Units, missing_settings, write_experiment
+    from fvcollapse.measure.digitised import Units, missing_settings, write_experiment
 
-    sources = [
-        Source(name, path, None)
-        for name, path in (("front", arguments.front), ("volume", arguments.volume))
-        if path is not None
-    ]
-    for option, name in (("profile", "profiles"), ("interface", "interface")):
-        sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
     units = Units(arguments.length_unit, arguments.time_unit, arguments.volume_unit)
     changes = {"settings": arguments.settings, "force": arguments.force}
-    for path in write_experiment(sources, arguments.out, units, **changes):
+    for path in write_experiment(sources_of(arguments), arguments.out, units, **changes):
         print(path)
     missing = missing_settings(arguments.out)
     if missing:
         print(f"still to be filled in: {missing}")
     return 0
+
+
+def sources_of(arguments):
+    """The digitised files that are named, as `Source`s."""
+    from fvcollapse.measure.digitised import Source, gate_position
+
+    from_gate = arguments.front_from == "gate"
+    origin = gate_position(arguments.settings, arguments.out) if from_gate else 0.0
+    named = (("front", arguments.front, origin), ("volume", arguments.volume, 0.0))
+    sources = [Source(name, path, None, place) for name, path, place in named if path is not None]
+    for option, name in (("profile", "profiles"), ("interface", "interface")):
+        sources += [Source(name, *timed(option, text)) for text in getattr(arguments, option)]
+    return sources
 
 
 def timed(option, text):

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fvcollapse.commands.arguments import add_case, add_force, add_quiet
+from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet
 
 
 def add_parser(commands):
@@ -19,6 +19,7 @@ def add_parser(commands):
     )
     add_force(parser)
     add_quiet(parser)
+    add_dry_run(parser)
     parser.set_defaults(command=execute)
 
 
@@ -27,6 +28,11 @@ def execute(arguments):
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
+    if arguments.dry_run:
+        from fvcollapse.studies.estimate import plan_of
+
+        print(plan_of([case]).line())
+        return 0
     from fvcollapse.output.run import run_case  # heavy, and not needed to refuse a bad case
     from fvcollapse.output.run_folder import holds_run
 

@@ -3,7 +3,14 @@
 import sys
 from pathlib import Path
 
-from fvcollapse.commands.arguments import add_case, add_force, add_quiet, add_scheduler, add_workers
+from fvcollapse.commands.arguments import (
+    add_case,
+    add_dry_run,
+    add_force,
+    add_quiet,
+    add_scheduler,
+    add_workers,
+)
 
 
 def add_parser(commands):
@@ -23,6 +30,7 @@ def add_parser(commands):
     add_workers(parser)
     add_scheduler(parser)
     add_quiet(parser)
+    add_dry_run(parser)
     add_force(parser)
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, required=True, help="one folder per point inside"
@@ -35,13 +43,18 @@ def execute(arguments):
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
-    from fvcollapse.studies.sweep import TABLE, parse_variation, sweep, table
+    from fvcollapse.studies.estimate import plan_of
+    from fvcollapse.studies.sweep import TABLE, all_points, parse_variation, sweep, table
     from fvcollapse.studies.workers import Resources
 
     variations = {}
     for text in arguments.variations:
         key, values = parse_variation(text)
         variations.setdefault(key, []).extend(values)
+    if arguments.dry_run:
+        points = all_points(case, variations, str(arguments.case))
+        print(plan_of([point.case for point in points]).line(arguments.workers))
+        return 0
     rows = sweep(
         case,
         variations,

@@ -32,10 +32,12 @@ def progress_bar(case, start, quiet):
 
 def runs_bar(total, quiet):
     """Bar over the runs, with ETA, on stderr."""
+    terminal = shutil.get_terminal_size()
     return tqdm(
         total=total,
         unit="run",
         file=sys.stderr,
         disable=quiet or not sys.stderr.isatty(),
-        dynamic_ncols=True,
+        ncols=terminal.columns,
+        nrows=terminal.lines,
     )

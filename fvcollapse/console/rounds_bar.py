@@ -67,8 +67,15 @@ class RoundsBar:
             return
         runs, cost = self.later
         if self.bar is None:
-            width = shutil.get_terminal_size().columns
-            self.bar = tqdm(file=sys.stderr, bar_format=LAYOUT, ncols=width, smoothing=0.0, total=1)
+            terminal = shutil.get_terminal_size()
+            self.bar = tqdm(
+                file=sys.stderr,
+                bar_format=LAYOUT,
+                ncols=terminal.columns,
+                nrows=terminal.lines,
+                smoothing=0.0,
+                total=1,
+            )
         about = "about " if runs else ""
         self.bar.total, self.bar.n = self.cost + cost, self.gone
         text = f"{self.round}, {self.ended} of {about}{self.runs + runs} runs:"

@@ -30,12 +30,17 @@ def baseline_cases(experiments, case=None, cell_size=None):
         if cell_size is not None and not 0.0 < cell_size <= largest:
             allowed = f"> 0 and <= {largest:g}, a fifth of the column of {experiment.name}"
             raise InputError("command line", "--cell-size", f"{cell_size:g}", allowed)
-        size = cell_size or min(geometry.height_0 / CELLS, geometry.length_0 / CELLS_LENGTH)
+        size = cell_size or usual_cell_size(geometry)
         changes = {"grid.cell_size": size, "time.end": run_end(experiment)}
         if own.time.step_max is None:
             changes["time.step_max"] = LONGEST_STEP * sqrt(geometry.height_0 / GRAVITY)
         cases[experiment.name] = own.replace(**changes)
     return cases
+
+
+def usual_cell_size(geometry):
+    """Cell size of the coarser grid where none is asked for, with which the verdict layer was fitted [m]."""
+    return min(geometry.height_0 / CELLS, geometry.length_0 / CELLS_LENGTH)
 
 
 def run_end(experiment):

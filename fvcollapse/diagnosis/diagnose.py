@@ -21,19 +21,22 @@ from fvcollapse.diagnosis.library import DRAWS
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.new_effects import merged
 from fvcollapse.diagnosis.next_experiment import choices
-from fvcollapse.diagnosis.oddities import oddities_of, tell
+from fvcollapse.diagnosis.oddities import coarse_grid, oddities_of, tell
 from fvcollapse.diagnosis.progress import expected_costs
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.record import recorded
 from fvcollapse.diagnosis.report.findings import report_of
-from fvcollapse.diagnosis.report.page import FIGURES, PAGE, write_page
+from fvcollapse.diagnosis.report.made import made
+from fvcollapse.diagnosis.report.page import FIGURES, NEXT_CASE, PAGE, write_page
 from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, write_report
+from fvcollapse.diagnosis.report.run_table import RUNS_FILE, run_groups, run_rows, write_runs
 from fvcollapse.diagnosis.report.schema import Cost
 from fvcollapse.diagnosis.runner import StandingRunner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
+from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import Experiment, load_experiment
 from fvcollapse.output.question import claim_folder
@@ -106,9 +109,9 @@ def diagnose(
     if folder is not None:
         refuse_workers(workers)
         claim_folder(folder, "diagnose", recorded(question, effects, draws), force)
-        make_folder(folder, FILE_NAME, PAGE)
+        make_folder(folder, FILE_NAME, PAGE, RUNS_FILE, NEXT_CASE)
         make_folder(Path(folder) / FIGURES)
-    tell(warnings)
+    tell([*warnings, *coarse_grid(question)])
     with (
         StandingWorkers(workers, scheduler) as standing,
         closing(RoundsBar(expected_costs(question), quiet)) as bar,
@@ -123,10 +126,36 @@ def diagnose(
         bar.close()
         cost = cost_of(question, runner, time.perf_counter() - start)
         report = report_of(analysis, judged, ladder, following, cost, model)
-        report = replace(report, warnings=warnings)
-        if folder is not None:
-            report = read_report(write_report(report, folder))
-            write_page(report, folder, painter.draw)
+        rows = run_rows(runner, question)
+        origin = made(question, case, effects, folder)
+        details = replace(report.details, runs=run_groups(rows), made=origin)
+        report = replace(report, warnings=warnings, details=details)
+        return report if folder is None else written(report, rows, folder, painter.draw)
+
+
+def written(report, rows, folder, draw=None):
+    """The report as it stands in its folder, with its page, its runs and the case of the next experiment.
+
+    Parameters
+    ----------
+    report : Report
+    rows : list of RunRow
+    folder : str or Path
+    draw : function, optional
+        See `figures.pictures`.
+
+    Raises
+    ------
+    OutputError
+    """
+    report = read_report(write_report(report, folder))
+    write_runs(rows, folder)
+    following = Path(folder) / NEXT_CASE
+    if report.next_experiment is None:
+        following.unlink(missing_ok=True)  # of an earlier answer to the same question
+    else:
+        write_atomic(following, report.next_experiment.case.encode())
+    write_page(report, folder, draw)
     return report
 
 
@@ -167,9 +196,12 @@ def cost_of(question, runner, seconds):
 
 
 def verdict_model_for(analysis):
-    """The `VerdictModel` if it was fitted to data like these: films, no controls, some of these effects; else None."""
+    """The `VerdictModel` if it was fitted to data like these; else None.
+
+    It was fitted to films, on cells of `usual_cell_size`, without controls, with some of the effects.
+    """
     values = np.count_nonzero(analysis.points.kind == "value")
-    if analysis.controls or values < FILMED:
+    if analysis.controls or values < FILMED or analysis.question.coarse_cells:
         return None
     model = VerdictModel.load()
     return model if model is not None and model.judges(analysis.evidence) else None

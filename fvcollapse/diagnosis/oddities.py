@@ -43,6 +43,21 @@ def oddities_of(experiments):
     ]
 
 
+def coarse_grid(question):
+    """The `Oddity` list of the cells of a `Question` that are too coarse for calibrated probabilities."""
+    return [
+        Oddity(
+            name,
+            "command line",
+            "--cell-size",
+            f"{question.cases[name].grid.cell_size:g} m",
+            f"at most {size:.3g} m, with which the verdict layer was fitted; on coarser cells probabilities are not "
+            "calibrated and the grid may hide the cause",
+        )
+        for name, size in question.coarse_cells.items()
+    ]
+
+
 def tell(warnings):
     """Write each `Oddity` as one line to stderr."""
     for each in warnings:

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from fvcollapse.case.case import Case
-from fvcollapse.diagnosis.baseline import baseline_cases
+from fvcollapse.diagnosis.baseline import baseline_cases, usual_cell_size
 from fvcollapse.diagnosis.point_choice import choose_points
+
+ROUND_OFF = 1.0e-9  # relative
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,18 @@ class Question:
     def held_out_cases(self):
         """{name: `Case` on the coarser grid} of the experiments held out."""
         return baseline_cases(self.held_out, self.believed, self.cell_size)
+
+    @cached_property
+    def coarse_cells(self):
+        """{experiment: largest cell size [m] of the fitted verdict layer} of those whose cells are larger."""
+        usual = {
+            one.name: usual_cell_size(self.cases[one.name].geometry) for one in self.experiments
+        }
+        return {
+            name: size
+            for name, size in usual.items()
+            if self.cases[name].grid.cell_size > size * (1.0 + ROUND_OFF)
+        }
 
     @property
     def baseline(self):

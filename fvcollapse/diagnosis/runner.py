@@ -5,14 +5,26 @@ An effect that changes the observation and not the flow is read off the run with
 
 from copy import copy
 from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
+from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.progress import cost_of_run
 from fvcollapse.errors import NumericalError, failures_named
 from fvcollapse.measure.observables import observe
 from fvcollapse.measure.observation import flow_case
-from fvcollapse.studies.cache import RunCache
+from fvcollapse.output.compilation import tell_compilation
+from fvcollapse.studies.cache import RunCache, entry
 from fvcollapse.studies.cache_folder import ready_folder
 from fvcollapse.studies.workers import run_all
+
+
+class RunRecord(NamedTuple):
+    """A run that was asked for: the name of its experiment, its `Case`, and its folder in the cache."""
+
+    experiment: str
+    case: Case
+    folder: Path
 
 
 class Runner:
@@ -24,12 +36,20 @@ class Runner:
         Of the cache of runs; default that of the user.
     workers, scheduler, quiet
         See `workers.run_all`.
+
+    Attributes
+    ----------
+    asked, computed, failed : set of str
+        Keys of the runs in the cache: of all, of those that were not at hand, of those that failed.
+    record : dict
+        Key -> `RunRecord`, in the order in which they were asked for.
     """
 
     def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
         self.cache = RunCache(ready_folder(folder))
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
-        self.asked, self.computed = set(), set()
+        self.asked, self.computed, self.failed = set(), set(), set()
+        self.record = {}
 
     def observations(self, wanted, phase=""):
         """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
@@ -38,8 +58,12 @@ class Runner:
         """
         flows = {label: flow_case(case) for label, (_, case) in wanted.items()}
         runs = self.cache.run_by(partial(self.make_calls, phase, flows), flows)
-        self.asked |= runs.asked
+        self.asked |= set(runs.keys.values())
         self.computed |= runs.computed
+        self.failed |= {runs.keys[label] for label in runs.failures}
+        for label, key in runs.keys.items():
+            place = entry(Path(self.cache.folder), key)
+            self.record.setdefault(key, RunRecord(wanted[label][0].name, flows[label], place))
         seen, failures = {}, dict(runs.failures)
         for label, result in runs.results.items():
             experiment, case = wanted[label]
@@ -74,6 +98,8 @@ class StandingRunner(Runner):
 
     def make_calls(self, phase, flows, task, calls, finished):
         """See `Runner.make_calls`."""
+        if calls and self.standing.scheduler is None:
+            tell_compilation(self.bar.off)
         costs = {key: cost_of_run(case) for key, (case, *_) in calls.items()}
         self.bar.begin(phase, [*costs.values()], sum(map(cost_of_run, flows.values())))
 

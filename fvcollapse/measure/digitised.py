@@ -27,14 +27,27 @@ from fvcollapse.measure.uncertainty import Uncertainty
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}
 RATIOS = {"1": 1.0, "%": 0.01}
+GATE = "geometry.length_0"  # where the gate stands
 
 
 class Source(NamedTuple):
-    """One digitised file: which curve it belongs to, and at what time [s] (None: x is the time)."""
+    """One digitised file.
+
+    Attributes
+    ----------
+    name : str
+        Of the curve that it belongs to.
+    path : Path
+    time : float or None
+        At what time [s]; None: x is the time.
+    origin : float
+        Added to the positions of a front, which are then from the back wall [m].
+    """
 
     name: str
     path: Path
     time: float | None
+    origin: float = 0.0
 
 
 class Units(NamedTuple):
@@ -76,6 +89,9 @@ def write_experiment(sources, folder, units=Units(), settings=(), force=False): 
         Nothing is written then.
     """
     folder = Path(folder)
+    if not (sources or settings):
+        allowed = "one or more curves; `fvcollapse new experiment` makes an empty folder"
+        raise InputError("command line", "import-curves", "no curve and no --set", allowed)
     texts = {f"{name}.csv": text for name, text in curve_texts(sources, *units.factors()).items()}
     if settings or not is_there(folder / SETTINGS):
         texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
@@ -132,7 +148,8 @@ def curve_texts(sources, length, time, ratio):
     for source in sorted(sources, key=lambda source: source.time or 0.0):
         x, y = read_pairs(source.path).T
         if not CURVES[source.name].is_profile:  # profiles are one file per instant
-            value = y * (ratio if CURVES[source.name].unit == "1" else length)
+            factor = ratio if CURVES[source.name].unit == "1" else length
+            value = y * factor + source.origin
             rows = np.column_stack([x * time, value])
         else:
             rows = np.column_stack([np.full(len(x), source.time), x * length, y * length])
@@ -215,3 +232,24 @@ def missing_settings(folder):
     except InputError as error:
         return str(error)
     return ""
+
+
+def gate_position(settings, folder):
+    """Distance of the gate from the back wall, geometry.length_0 [m], of new settings or of the folder.
+
+    Raises
+    ------
+    InputError
+        It is in neither.
+    """
+    path, table = Path(folder) / SETTINGS, {}
+    for setting in settings:
+        name, _, value = (part.strip() for part in setting.partition("="))
+        table[name] = parse_value(value)
+    length = table.get(GATE)
+    if length is None and is_there(path):
+        length = read_draft(path).geometry.length_0
+    if not isinstance(length, int | float) or isinstance(length, bool):
+        allowed = f"with it --set {GATE}=VALUE, the distance of the gate from the back wall"
+        raise InputError("command line", "--front-from", f"gate, and no number in {GATE}", allowed)
+    return float(length)

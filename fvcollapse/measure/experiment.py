@@ -27,6 +27,7 @@ from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
 
 SETTINGS = "experiment.toml"
+MOST_NAMES = 8  # of experiments in a message
 ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the name of a file (255)
 # a header of a section whose name is `truth` in any spelling of TOML, and any header
 TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
@@ -136,11 +137,28 @@ def load_experiment(folder):
     if folder.name == SETTINGS:
         folder = folder.parent
     refuse_bad_name(folder)
+    refuse_parent(folder)
     settings = read_settings(folder / SETTINGS)
     experiment = Experiment(folder, settings, *read_measurements(folder, settings.uncertainty))
     refuse_impossible(experiment)
     experiment.case()  # a set-up that no simulation can have is refused now
     return experiment
+
+
+def refuse_parent(folder):
+    """Refuse a folder of experiments, which holds none itself, with the names of those inside.
+
+    Raises
+    ------
+    InputError
+    """
+    if (folder / SETTINGS).exists() or not folder.is_dir():
+        return
+    inside = sorted(path.parent.name for path in folder.glob(f"*/{SETTINGS}"))
+    if inside:
+        others = f" and {len(inside) - MOST_NAMES} more" if len(inside) > MOST_NAMES else ""
+        found = f"no {SETTINGS}, but experiments in it"
+        raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
 
 
 def refuse_bad_name(folder):

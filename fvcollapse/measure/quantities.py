@@ -98,7 +98,7 @@ class Quantity(NamedTuple):
         return "sigma" if self.unit == "1" else f"sigma_{self.unit}"
 
 
-METRE, CENTIMETRE, MILLIMETRE = Shown(1.0, "m"), Shown(100.0, "cm"), Shown(1000.0, "mm")
+CENTIMETRE = Shown(100.0, "cm")  # the unit of every length, so that a page has one
 SECOND, SPEED = Shown(1.0, "s"), Shown(1.0, "m/s")
 PERCENT, COLUMN_PERCENT = Shown(100.0, "%"), Shown(100.0, "% of the column")
 
@@ -109,7 +109,7 @@ TABLE = (
         "front position",
         "too far",
         "not far enough",
-        METRE,
+        CENTIMETRE,
         CENTIMETRE,
         "front",
         Default(
@@ -129,7 +129,7 @@ TABLE = (
         "too large",
         "too small",
         CENTIMETRE,
-        MILLIMETRE,
+        CENTIMETRE,
         "thickness",
         Default(
             "m", 0.002, False, "front thresholds from 1 to 7 mm are in use (Rousseau et al. 2023)"
@@ -163,7 +163,7 @@ TABLE = (
         "too high",
         "too low",
         CENTIMETRE,
-        MILLIMETRE,
+        CENTIMETRE,
         "interface",
         Default(
             "m",
@@ -183,7 +183,7 @@ TABLE = (
         "runout",
         "too far",
         "not far enough",
-        METRE,
+        CENTIMETRE,
         CENTIMETRE,
         "front",
         origin=1.0,
@@ -197,7 +197,7 @@ TABLE = (
         "too large",
         "too small",
         CENTIMETRE,
-        MILLIMETRE,
+        CENTIMETRE,
         "thickness",
         is_height=True,
         phase="deposit",

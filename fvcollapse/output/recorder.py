@@ -15,6 +15,7 @@ from fvcollapse.measure.pile import ill_posed_share, static_height, thickness
 from fvcollapse.measure.series_row import ROW
 from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS, about_field
 from fvcollapse.step.erodible_bed import layer_thickness
+from fvcollapse.step.geometry import cell_fractions
 
 SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
@@ -226,7 +227,8 @@ def pad_rows(rows, width):
 def write_paraview(group, state, grid):
     """Node coordinates and cell-centred velocity, (…, 3): what XDMF cannot express.
 
-    ParaView's y is z here (normal to the bed), so that its first view shows the pile upright.
+    ParaView's y is z here (normal to the bed), so that its first view shows the pile upright. The velocity is zero
+    where there are no grains: there the stored one is the continuation that the scheme needs, and no flow of air.
     """
     x, z = grid.dx * np.arange(grid.nx + 1), grid.dz * np.arange(grid.nz + 1)
     coordinates = np.zeros((grid.nx + 1, grid.nz + 1, 3), np.float32)
@@ -234,5 +236,12 @@ def write_paraview(group, state, grid):
     velocity = np.zeros((grid.nx, grid.nz, 3), np.float32)
     velocity[..., 0] = 0.5 * (state.u[:-1] + state.u[1:])
     velocity[..., 1] = 0.5 * (state.w[:, :-1] + state.w[:, 1:])
+    velocity[cell_fractions(state.level_set) == 0.0] = 0.0
     write_dataset(group, "coordinates", coordinates, "m", "x, z and 0 of the nodes")
-    write_dataset(group, "velocity", velocity, "m/s", "u, w and 0 at the cell centres")
+    write_dataset(
+        group,
+        "velocity",
+        velocity,
+        "m/s",
+        "u, w and 0 at the cell centres; 0 outside of the grains",
+    )

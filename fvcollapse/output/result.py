@@ -29,6 +29,16 @@ class Profiles(NamedTuple):
     static_height: np.ndarray
 
 
+# of the summary -> series: the runouts are the farthest fronts, the final front is that of the deposit
+LAST = {
+    "runout_10mm": "runout_10mm",
+    "runout": "runout",
+    "final_front": "front_position",
+    "runout_1mm": "runout_1mm",
+    "x_99": "x_99",
+}
+
+
 class Result:
     """Read-only view of `result.h5`.
 
@@ -89,10 +99,7 @@ class Result:
             "trust": self.trust.verdict,
             "trust_reasons": "; ".join(self.trust.reasons),
             "time": float(series["time"][-1]),
-            "runout_10mm": float(series["runout_10mm"][-1]),
-            "runout": float(series["runout"][-1]),
-            "runout_1mm": float(series["runout_1mm"][-1]),
-            "x_99": float(series["x_99"][-1]),
+            **{name: float(series[source][-1]) for name, source in LAST.items()},
             "final_thickness": float(series["max_thickness"][-1]),
             "max_thickness": float(series["max_thickness"].max()),
             "peak_front_velocity": peak,
@@ -175,6 +182,11 @@ def share_of_dissipation(summary, name):
     return 100.0 * summary[name] / total if total > 0.0 else 0.0
 
 
+def runout_words(s):
+    """The farthest front, and that of the deposit, which may be nearer where the tip thins."""
+    return f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end"
+
+
 def summary_rows(summary, case):
     """Name and value, as text, of each line of the summary table."""
     s = summary
@@ -191,7 +203,7 @@ def summary_rows(summary, case):
         ),
         ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
-        (f"runout at {1000 * case.front.thickness:g} mm thickness", f"{s['runout']:.4f} m"),
+        (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
         ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
         ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),

@@ -25,6 +25,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
+from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
 from fvcollapse.output.run_folder import (
@@ -128,6 +129,7 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
+        tell_compilation(quiet)
         make = partial(Job, simulate=simulate)
         keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)

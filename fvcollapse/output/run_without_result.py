@@ -6,6 +6,7 @@ A checkpoint, a result and their fields take 0.15 s to write and to read. That i
 from functools import partial
 from pathlib import Path
 
+from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.run import Job, begun, march_on
 from fvcollapse.output.run_folder import ready, tidy, usable_checkpoint
 from fvcollapse.output.run_log import run_log
@@ -38,6 +39,7 @@ def run_without_result(case, folder, keep, quiet=True):
     with run_log(folder) as log:
         tidy(folder)
         stored = usable_checkpoint(folder, log) if ready(case, folder, False, True) else None
+        tell_compilation(quiet)
         keeper = begun(case, folder, log, stored, partial(Job, fields=False))
         keeper.keep = keep
         march_on(keeper, quiet)

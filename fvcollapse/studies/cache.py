@@ -73,13 +73,15 @@ class Runs(NamedTuple):
         Name -> `Result`.
     failures : dict
         Name -> NumericalError of a run that failed.
-    asked, computed : frozenset of str
-        Keys of all runs, and of those that were not at hand.
+    keys : dict
+        Name -> key of its run.
+    computed : frozenset of str
+        Keys of the runs that were not at hand.
     """
 
     results: dict
     failures: dict
-    asked: frozenset
+    keys: dict
     computed: frozenset
 
 
@@ -173,7 +175,7 @@ class RunCache:
                 failed[name] = failures[key]
             else:
                 results[name] = result
-        return Runs(results, failed, frozenset(wanted), frozenset(missing))
+        return Runs(results, failed, keys, frozenset(missing))
 
     def compute(self, missing, make_calls):
         """Compute {key: case}; ({key: Result}, {key: NumericalError} of those that failed)."""

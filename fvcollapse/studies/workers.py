@@ -27,6 +27,7 @@ from typing import NamedTuple
 from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
+from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.pool import ProcessPool
 
@@ -78,6 +79,8 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
         On Ctrl-C, SIGTERM and SIGHUP, after the runs of this machine have saved their state.
     """
     refuse_workers(workers)
+    if calls and scheduler is None:
+        tell_compilation(quiet)
     with runs_bar(len(calls), quiet) as bar:
 
         def end(name, outcome):

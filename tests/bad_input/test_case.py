@@ -123,7 +123,6 @@ def test_bytes_that_are_not_utf8(data, capsys):
 @pytest.mark.parametrize(
     "arguments",
     [
-        [],
         ["run"],
         ["walk"],
         ["run", "a.toml", "b.toml"],

@@ -1,5 +1,6 @@
 """The whole diagnosis: by formula, through the command line, and with the solver and its cache."""
 
+import csv
 import json
 import shutil
 from types import SimpleNamespace
@@ -9,7 +10,7 @@ import pytest
 from toy_laboratory import PlannedQuestion, ToyRunner, film, only_numbers
 
 import fvcollapse
-from fvcollapse import load_experiment
+from fvcollapse import load_case, load_experiment
 from fvcollapse.__main__ import main
 from fvcollapse.diagnosis import confirmation
 from fvcollapse.diagnosis import diagnose as module
@@ -17,6 +18,7 @@ from fvcollapse.diagnosis.baseline import baseline_cases
 from fvcollapse.diagnosis.diagnose import contenders
 from fvcollapse.diagnosis.library import build_library
 from fvcollapse.diagnosis.report import findings, read_report
+from fvcollapse.diagnosis.report.certainty import certainty
 from fvcollapse.diagnosis.report.limits import confirmation_reasons
 from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import Verdict
@@ -77,6 +79,34 @@ def test_the_command_writes_a_report(by_formula, folders, tmp_path, capsys):
     content = json.loads((out / "report.json").read_text(encoding="utf-8"))
     assert content["experiments"] == ["s10_w0.1", "s16_w0.1"]
     assert content["held_out"] == ["s16_w0.2"]
+    check_files_beside(out, report)
+    assert f" --hold-out {held} --effects {EFFECTS} --out {out}" in report.details.made.command
+    assumed = {(one.experiment, one.key): one for one in report.details.assumed}
+    assert assumed["s16_w0.1", "rheology.grain_diameter"].source == "default of the program"
+    assert ("s16_w0.1", "rheology.mu_1") not in assumed  # it is stated
+
+
+def check_files_beside(out, report):
+    """The runs have one row each, and the page counts them; the case of the next experiment can be run."""
+    rows = list(csv.DictReader((out / "runs.csv").read_text(encoding="utf-8").splitlines()))
+    groups = report.details.runs
+    assert len(rows) == sum(one.runs for one in groups) == report.cost.solver_runs
+    purposes = {one.purpose for one in groups if one.experiment == "s10_w0.1"}
+    assert {"model as given", "finer grid", "other parameters", "cohesion"} <= purposes
+    if report.next_experiment is not None:
+        case = load_case(out / "next_experiment.toml")
+        for key, value in report.next_experiment.set_up.items():
+            section, _, name = key.partition(".")
+            assert getattr(getattr(case, section), name) == value
+    assert (out / "next_experiment.toml").exists() == (report.next_experiment is not None)
+
+
+def test_coarse_cells_are_told_and_the_verdict_layer_is_not_asked(by_formula, folders, capsys):
+    report = fvcollapse.diagnose(folders[:1], effects=["cohesion"], draws=6, cell_size=0.02)
+    assert report.details.coarse_cells == pytest.approx({folders[0].name: 0.14 / 12})
+    assert all(one.conformal_p is None for one in report.details.hypotheses.values())
+    assert "--cell-size: found 0.02 m; expected: at most 0.0117 m" in capsys.readouterr().err
+    assert "The cells of 2 cm are coarser" in certainty(report)
 
 
 def test_nothing_hidden_needs_no_effect(by_formula, tmp_path):
@@ -279,12 +309,16 @@ def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folder
     assert "the gap of an experiment held out does not shrink" in reasons
 
 
-@pytest.mark.parametrize("lacking", ["nothing", "controls", "values", "effects", "model"])
+@pytest.mark.parametrize(
+    "lacking", ["nothing", "controls", "values", "effects", "model", "fine cells"]
+)
 def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
     layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
     loaded = None if lacking == "model" else layer
     monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda: loaded))
     kind = np.full(20 if lacking == "values" else 200, "value")
     controls = (object(),) if lacking == "controls" else ()
-    analysis = SimpleNamespace(controls=controls, points=SimpleNamespace(kind=kind), evidence=None)
+    question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})
+    points = SimpleNamespace(kind=kind)
+    analysis = SimpleNamespace(controls=controls, points=points, evidence=None, question=question)
     assert module.verdict_model_for(analysis) is (layer if lacking == "nothing" else None)

@@ -71,8 +71,8 @@ def test_a_patch_of_a_profile_has_a_place_and_a_sign():
     assert region.x_range[0] > 0.2
     assert region.x_range[1] < 0.35
     (text,) = region_lines(points, [region])
-    assert text.startswith("thickness 10.0 ± 0.")
-    assert "too small, X = 0.22 to 0.35 m from 0.20 to 0.30 s" in text
+    assert text.startswith("thickness 1.00 ± 0.0")
+    assert "too small, X = 22 to 35 cm from 0.20 to 0.30 s" in text
 
 
 def test_a_bound_counts_only_beyond():
@@ -88,7 +88,7 @@ def test_a_bound_counts_only_beyond():
     np.testing.assert_allclose(beyond.z[-2:], [6.0, -10.0])
     texts = region_lines(points, beyond.regions)
     assert texts[0] == "runout 10.0 ± 1.0 cm not far enough (beyond the lower bound)"
-    assert texts[1] == "final height 12 ± 2 mm too large (beyond the upper bound)"
+    assert texts[1] == "final height 1.2 ± 0.2 cm too large (beyond the upper bound)"
 
 
 def test_shares_sum_to_one_and_are_not_negative():

@@ -54,7 +54,7 @@ def test_what_is_not_measured_yet_is_a_candidate(analysis):
     (experiment,) = analysis.experiments
     found = candidates(experiment, analysis.library.cases[experiment.name])
     more = found[0]
-    assert "volume and interface measured too" in candidate_words(more)
+    assert "relative volume and static–flowing interface measured too" in candidate_words(more)
     assert set(more.observables) == {"front", "profiles", "volume", "interface"}
     assert all(set(each.observables) == {"front", "profiles"} for each in found[1:])
     slopes = [

@@ -3,10 +3,11 @@
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from fvcollapse.diagnosis.report.drawing import WIDTH, column, picture, plain
+from fvcollapse.diagnosis.report.drawing import WIDTH, broken, column, picture, plain
 from fvcollapse.diagnosis.report.words import hypothesis_name, percent, ranking
 from fvcollapse.draw.drawing import BLUE, GREY, new_figure
 
+NAME_WIDTH = 22  # letters in a line
 EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 
 
@@ -14,7 +15,8 @@ def evidence(report):
     """Probabilities of all hypotheses, and their ln evidence with its change under wider priors."""
     verdict, hypotheses = report.verdict, report.details.hypotheses
     names = [name for name, _ in ranking(report)][::-1]
-    figure = new_figure(WIDTH, 0.9 + 0.25 * len(names))
+    lines = sum(broken(hypothesis_name(name), NAME_WIDTH).count("\n") for name in names)
+    figure = new_figure(WIDTH, 0.9 + 0.25 * len(names) + 0.12 * lines)
     left, right = figure.subplots(1, 2, sharey=True)
     rows = np.arange(len(names))
     chances = 100.0 * np.array([verdict.probability[name] for name in names])
@@ -26,7 +28,7 @@ def evidence(report):
         place = {"ha": "right" if inside else "left", "va": "center", "fontsize": 7.5}
         text = f" {percent(chance)} "
         left.text(100.0 * chance, row, text, color="white" if inside else "black", **place)
-    left.set_yticks(rows, [plain(hypothesis_name(name)) for name in names])
+    left.set_yticks(rows, [plain(broken(hypothesis_name(name), NAME_WIDTH)) for name in names])
     left.set(xlim=(0.0, 100.0), xlabel="probability (%)")
     known = [h.log_evidence for h in hypotheses.values() if h.log_evidence is not None]
     best = max(known, default=0.0)
@@ -36,8 +38,8 @@ def evidence(report):
     right.axvline(0.0, color="black", lw=0.8)
     right.set(
         xlim=(1.12 * EVIDENCE_LEAST, 3.0),
-        xlabel="ln evidence \N{MINUS SIGN} best",
-        xticks=(-30, -20, -10, 0),
+        xlabel="ln evidence\n\N{MINUS SIGN} that of the best",
+        xticks=(-30, -15, 0),
     )
     right.grid(axis="x", lw=0.4)
     first = names[-1]

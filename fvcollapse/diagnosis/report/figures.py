@@ -7,9 +7,10 @@ from fvcollapse.diagnosis.report.drawing import STYLE
 from fvcollapse.diagnosis.report.gap_figures import gap_map
 from fvcollapse.diagnosis.report.overlays import overlay
 from fvcollapse.diagnosis.report.reduction_figures import budget, ladder
+from fvcollapse.diagnosis.report.scalar_figures import scalars
 from fvcollapse.measure.quantities import CURVES
 
-CHAPTERS = ("overlays", "gap_maps", "evidence", "signatures", "ladder", "budget")
+CHAPTERS = ("overlays", "scalars", "gap_maps", "evidence", "signatures", "ladder", "budget")
 
 
 def pictures(report, draw=None):
@@ -43,16 +44,23 @@ def drawn(report, some=slice(None)):
 def drawings(report):
     """(chapter, function, arguments, ...) of every figure of a report, in the order of `CHAPTERS`."""
     details, curves = report.details, drawable(report)
-    found = [("overlays", overlay, report, one) for one in curves]
-    found += [("gap_maps", gap_map, report, one) for one in curves if one.x is not None]
-    found.append(("evidence", evidence, report))
+    made = [("overlays", overlay, report, one) for one in curves]
+    if has_scalars(report):
+        made.append(("scalars", scalars, report))
+    made += [("gap_maps", gap_map, report, one) for one in curves if one.x is not None]
+    made.append(("evidence", evidence, report))
     if details.separability:
-        found.append(("signatures", signatures, details.separability))
+        made.append(("signatures", signatures, details.separability))
     if details.ladder:
-        found.append(("ladder", ladder, report))
+        made.append(("ladder", ladder, report))
     if details.budget:
-        found.append(("budget", budget, report))
-    return found
+        made.append(("budget", budget, report))
+    return made
+
+
+def has_scalars(report):
+    """Whether a single number other than 0 was measured."""
+    return any(one.time is None and any(one.measured) for one in report.details.comparisons)
 
 
 def drawable(report):

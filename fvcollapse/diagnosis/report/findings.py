@@ -3,11 +3,13 @@
 from math import inf
 
 import numpy as np
+from msgspec.structs import replace
 
 from fvcollapse.diagnosis.closing import gaps_of
 from fvcollapse.diagnosis.confirmation import confirm
 from fvcollapse.diagnosis.names import BASELINE, NAMED
 from fvcollapse.diagnosis.report import schema as form
+from fvcollapse.diagnosis.report.assumed import assumptions
 from fvcollapse.diagnosis.report.candidates import candidates, hypotheses, separability
 from fvcollapse.diagnosis.report.limits import grain_words, limits, model_words
 from fvcollapse.diagnosis.report.reductions import confirmation_of, reductions, rms, rungs
@@ -31,25 +33,22 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
     """
     held = ladder.held_out.points.experiments if ladder.held_out else ()
     upcoming = [next_experiment(choice) for choice in choices]
+    if upcoming:
+        upcoming[0] = replace(upcoming[0], case=next_case(analysis, choices[0]))
     return form.Report(
         experiments=[experiment.name for experiment in analysis.experiments],
         held_out=[experiment.name for experiment in held],
         baseline_case=analysis.question.baseline.to_toml(),
         where=regions_of(analysis),
         by_observable=levels_of(analysis),
-        verdict=form.Verdict(
-            kind=verdict.kind,
-            effects=list(verdict.effects),
-            indistinguishable=[list(group) for group in verdict.indistinguishable],
-            probability=dict(verdict.probability),
-            set=list(verdict.set),
-        ),
+        verdict=answer_of(verdict),
         candidates=candidates(analysis, verdict),
         reduction=reductions(ladder, analysis.seed) if verdict.kind in NAMED else None,
         next_experiment=upcoming[0] if upcoming else None,
         cost=cost,
         details=form.Details(
             expected=expected(analysis),
+            coarse_cells=dict(analysis.question.coarse_cells),
             set_ups={
                 experiment.name: set_up(experiment) for experiment in (*analysis.experiments, *held)
             },
@@ -62,8 +61,20 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
             ladder=rungs(analysis, ladder),
             confirmation=confirmation_of(confirm(analysis, verdict, ladder)),
             alternatives=upcoming[1:],
+            assumed=assumptions(analysis.question),
             limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
         ),
+    )
+
+
+def answer_of(verdict):
+    """A `Verdict` of the diagnosis as the report has it."""
+    return form.Verdict(
+        kind=verdict.kind,
+        effects=list(verdict.effects),
+        indistinguishable=[list(group) for group in verdict.indistinguishable],
+        probability=dict(verdict.probability),
+        set=list(verdict.set),
     )
 
 
@@ -217,3 +228,9 @@ def next_experiment(choice):
         set_up=finite,
         repeats=choice.repeats,
     )
+
+
+def next_case(analysis, choice):
+    """Case file (TOML) of the set-up of a `Choice`: the model as given, in that set-up."""
+    given = analysis.library.cases[choice.candidate.reference]
+    return given.replace(**choice.candidate.changes).to_toml()

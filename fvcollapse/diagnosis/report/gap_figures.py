@@ -7,7 +7,7 @@ from matplotlib.patches import Rectangle
 
 from fvcollapse.diagnosis.names import BASELINE
 from fvcollapse.diagnosis.report.drawing import GAP_UNITS, WIDTH, column, file_name, picture, plain
-from fvcollapse.diagnosis.report.words import after_model, model_name
+from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_name
 from fvcollapse.draw.drawing import new_figure
 from fvcollapse.measure.quantities import observable_words
 
@@ -19,7 +19,7 @@ def gap_map(report, one):
     """Gap in combined standard uncertainties over place and time, before and after."""
     after = after_model(report)
     models = [model for model in dict.fromkeys((BASELINE, after)) if model in one.z]
-    time, x = column(one.time), column(one.x)
+    time, x = column(one.time), CENTIMETRES * column(one.x)
     moments = np.unique(time)
     cells = [cell(x, time, moments, n) for n in range(len(x))]
     ends = min(corners[0][0] for corners in cells), max(corners[1][0] for corners in cells)
@@ -35,7 +35,7 @@ def gap_map(report, one):
         axes.set_facecolor(NO_DATA)
         word = "before" if model == BASELINE else "after"
         axes.set_title(plain(f"{word}: {model_name(model, report)}"), fontsize=7.5, wrap=True)
-        axes.set(xlim=ends, ylim=(-0.5, len(moments) - 0.5), xlabel="x (m)")
+        axes.set(xlim=ends, ylim=(-0.5, len(moments) - 0.5), xlabel="x (cm)")
         axes.set_yticks(range(len(moments)), [f"{moment:.3g}" for moment in moments])
         axes.locator_params(axis="x", nbins=5)
     panels[0].set_ylabel("time (s), one row each")

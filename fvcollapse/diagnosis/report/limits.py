@@ -105,7 +105,7 @@ def model_words(model, evidence):
     if model is None:
         return (
             "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
-            "to these effects, to controls, or to so few measured values."
+            "to these effects, to controls, to so few measured values, or on cells as coarse as these."
         )
     words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "
@@ -185,7 +185,7 @@ def confirmation_reasons(tests):
     if not tests.has_held_out:
         reasons.append("no experiment was held out")
     place = "inside" if tests.parameters_inside else "at the bound of"
-    reasons.append(f"its parameters are {place} what was known of them before")
+    reasons.append(f"its re-calibrated parameters are {place} what was known of them before")
     check = "passes" if tests.passes_check else "does not pass"
     reasons.append(f"what remains {check} the predictive check (p = {tests.p_value:.2g})")
     if not tests.shrinks:

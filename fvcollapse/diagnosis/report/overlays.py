@@ -11,7 +11,7 @@ from fvcollapse.diagnosis.report.drawing import (
     plain,
     shared_legend,
 )
-from fvcollapse.diagnosis.report.words import after_model, model_name
+from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_name
 from fvcollapse.draw.drawing import BLUE, GREY, ORANGE, new_figure
 from fvcollapse.measure.quantities import HEIGHTS, observable_words, shown_gap, shown_value
 
@@ -115,7 +115,7 @@ def mark_regions(axes, one, time):
 
 def draw_profiles(report, one):
     """Profiles over x, one panel for each time."""
-    time, x = column(one.time), column(one.x)
+    time, x = column(one.time), CENTIMETRES * column(one.x)
     moments = np.unique(time)
     lines = (len(moments) + 1) // 2
     figure = new_figure(WIDTH, 0.6 + 1.15 * lines)
@@ -132,7 +132,7 @@ def draw_profiles(report, one):
         axes.locator_params(nbins=5)
     for axes in panels[-2:]:  # the last of each column carries the axis
         axes.tick_params(labelbottom=True)
-        axes.set_xlabel("x from the back wall (m)")
+        axes.set_xlabel("x from the back wall (cm)")
     for axes in spare:  # where the last row has one panel, the legend fills it
         axes.set_axis_off()
     figure.supylabel(f"{observable_words(one.observable)} ({units or '1'})", fontsize=8.5)

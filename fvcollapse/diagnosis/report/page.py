@@ -2,25 +2,31 @@
 
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from fvcollapse.diagnosis.names import RUNGS
 from fvcollapse.diagnosis.report import sentences, words
+from fvcollapse.diagnosis.report.bars import bars, ranking_note
+from fvcollapse.diagnosis.report.certainty import wording
 from fvcollapse.diagnosis.report.figures import pictures
+from fvcollapse.diagnosis.report.glossary import WORDS, symbols
 from fvcollapse.diagnosis.report.regions import region_words
+from fvcollapse.diagnosis.report.run_table import RUNS_FILE
 from fvcollapse.diagnosis.report.tables import (
     absorbed_rows,
+    assumed_rows,
     candidate_rows,
     gap_rows,
-    overlay_groups,
-    prior_words,
+    picture_groups,
     reduction_rows,
     rung_rows,
     scalar_rows,
     set_up_rows,
     share_table,
+    shown_parameter,
 )
 from fvcollapse.errors import OutputError
 from fvcollapse.files.atomic import write_atomic
@@ -29,7 +35,8 @@ from fvcollapse.version import __version__
 
 TEMPLATE = "report.html.j2"
 PAGE, FIGURES = "report.html", "figures"
-GROUPS_OPEN = 4  # experiments whose overlays are shown at once
+NEXT_CASE = "next_experiment.toml"
+CANDIDATES_OPEN = 5  # hypotheses listed at once
 REGIONS_OPEN = 8  # listed at once; the rest behind a click
 
 
@@ -72,12 +79,18 @@ def render(report, chapters):
             details=report.details,
             figures=chapters,
             inline={picture.name: inline(picture, f"f{n}") for n, picture in enumerate(pictured)},
-            overlays=overlay_groups(report, chapters["overlays"]),
+            overlays=picture_groups(report, chapters["overlays"]),
+            maps=picture_groups(report, chapters["gap_maps"]),
+            bars=bars(report),
+            glossary=WORDS,
+            symbols=symbols(report),
             **texts_of(report),
             **tables_of(report),
             rungs=RUNGS,
             regions_open=REGIONS_OPEN,
-            groups_open=GROUPS_OPEN,
+            candidates_open=CANDIDATES_OPEN,
+            next_case=NEXT_CASE,
+            runs_file=RUNS_FILE,
             version=__version__,
         )
     )
@@ -102,7 +115,9 @@ def environment():
         "meaning": words.effect_meaning,
         "listed": words.listed,
         "region": region_words,
-        "prior": prior_words,
+        "shown": shown_parameter,
+        "in_cm": words.in_cm,
+        "address": address,
     }
     return made
 
@@ -112,14 +127,14 @@ def texts_of(report):
     hypotheses = report.details.hypotheses.values()
     confirmation = report.details.confirmation
     return {
-        "answer": sentences.answer(report),
+        "answer": sentences.parts_of(report),
         "headline": sentences.headline(report),
-        "named": sentences.named(report),
+        "ranking_note": ranking_note(report),
         "expected": sentences.expected_gaps(report),
         "tested": any(summary.conformal_p is not None for summary in hypotheses),
         "after": words.after_model(report),
         "model": lambda model: words.model_name(model, report),
-        "confirmed": confirmation and sentences.wording(confirmation),
+        "confirmed": confirmation and wording(confirmation),
     }
 
 
@@ -135,7 +150,13 @@ def tables_of(report):
         "reductions": reduction_rows(report),
         "rung_values": rung_rows(report),
         "absorbed": absorbed_rows(report),
+        "assumed": assumed_rows(report),
     }
+
+
+def address(picture):
+    """Address of the file of a figure, relative to the page."""
+    return quote(f"{FIGURES}/{picture.name}.svg")
 
 
 def inline(picture, prefix):

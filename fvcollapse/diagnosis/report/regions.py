@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fvcollapse.diagnosis.report.words import hundredths, number, span
-from fvcollapse.measure.quantities import QUANTITIES, direction_words, observable_words, shown_gap
+from fvcollapse.diagnosis.report.words import CENTIMETRES, number
+from fvcollapse.measure.quantities import direction_words, observable_words, shown_gap
 
 
 def region_lines(points, regions):
@@ -48,18 +48,59 @@ def first_time(points, region):
 
 
 def region_line(region, block):
-    """One line: what, how much, in which direction, where and when."""
-    factor, unit = QUANTITIES[region.observable].gap_shown
-    size = size_words(factor * abs(region.gap), factor * region.uncertainty)
+    """One line for a region of the gap map: what, how much, in which direction, where and when."""
+    return composed(region, region.uncertainty, float(np.max(block.time)), block.kind)
+
+
+def region_words(region, report):
+    """One line for a region of a report, in the units of its page.
+
+    What the line of the file says after its semicolon, that nothing before is significant, stays.
+    """
+    same = [
+        one
+        for one in report.details.comparisons
+        if (one.experiment, one.observable) == (region.experiment, region.observable)
+    ]
+    timed = [one.time for one in same if one.time is not None]
+    last = max((t for time in timed for t in time if t is not None), default=None)
+    text = composed(region, region.gap_sd, last, same[0].kind if same else "value")
+    rest = region.words.partition("; ")[2]
+    return f"{text}; {rest}" if rest else text
+
+
+def composed(region, uncertainty, last, kind):
+    """The words of a region.
+
+    Parameters
+    ----------
+    region : gap_map.Region or schema_gap.Region
+    uncertainty : float or None
+        Standard uncertainty of its gap, SI.
+    last : float or None
+        Last time at which the observable was measured [s].
+    kind : str
+        "value", or the bound: "upper", "lower".
+    """
+    factor, unit = shown_gap(region.observable, region.units)
+    gap = factor * abs(region.gap)
+    size = size_words(gap, factor * uncertainty) if uncertainty else number(gap, 2)
     direction = direction_words(region.observable, region.gap)
-    text = f"{observable_words(region.observable)} {size} {unit} {direction}"
-    if block.kind != "value":
-        text += f" (beyond the {block.kind} bound)"
-    if region.x_range:
-        text += f", X = {region.x_range[0]:.2f} to {region.x_range[1]:.2f} m"
-    if region.t_range:
-        text += time_words(*region.t_range, float(np.max(block.time)))
+    text = f"{observable_words(region.observable)} {size} {unit}".rstrip() + f" {direction}"
+    if kind != "value":
+        text += f" (beyond the {kind} bound)"
+    if region.x_range is not None:
+        first, last_place = map(centimetres, region.x_range)
+        place = first if first == last_place else f"{first} to {last_place}"
+        text += f", X = {place} cm"
+    if region.t_range is not None:
+        text += time_words(*region.t_range, last)
     return text
+
+
+def centimetres(metres):
+    """A length in cm without decimals."""
+    return f"{CENTIMETRES * metres:.0f}"
 
 
 def size_words(size, uncertainty):
@@ -76,19 +117,3 @@ def time_words(start, stop, last):
     if stop == last:
         return f" from {start:.2f} s on"
     return f" from {start:.2f} to {stop:.2f} s"
-
-
-def region_words(region):
-    """One plain sentence for a region."""
-    if region.words:
-        return region.words
-    factor, shown = shown_gap(region.observable, region.units)
-    spread = f" \N{PLUS-MINUS SIGN} {number(factor * region.gap_sd, 2)}" if region.gap_sd else ""
-    size = f"{number(factor * abs(region.gap), 2)}{spread} {shown}".rstrip()
-    side = direction_words(region.observable, region.gap)
-    text = f"simulated {observable_words(region.observable)} {size} {side}"
-    if region.t_range is not None:
-        text += f" from {span(region.t_range, hundredths)} s"
-    if region.x_range is not None:
-        text += f", at x = {span(region.x_range, hundredths)} m"
-    return text

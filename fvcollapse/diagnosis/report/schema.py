@@ -18,6 +18,7 @@ from fvcollapse.diagnosis.report.schema_cause import (
     Verdict,
 )
 from fvcollapse.diagnosis.report.schema_gap import Comparison, ObservableGap, Region, SetUp, Share
+from fvcollapse.diagnosis.report.schema_origin import Assumption, Made, RunGroup
 from fvcollapse.diagnosis.report.schema_reduction import (
     Closed,
     Confirmation,
@@ -29,6 +30,7 @@ from fvcollapse.diagnosis.report.schema_reduction import (
 )
 
 __all__ = [
+    "Assumption",
     "Candidate",
     "Closed",
     "Comparison",
@@ -37,6 +39,7 @@ __all__ = [
     "Details",
     "Fold",
     "HypothesisSummary",
+    "Made",
     "Misfit",
     "NextExperiment",
     "ObservableGap",
@@ -46,6 +49,7 @@ __all__ = [
     "Reductions",
     "Region",
     "Report",
+    "RunGroup",
     "Rung",
     "Separability",
     "SetUp",
@@ -70,6 +74,8 @@ class NextExperiment(Part):
         Key -> value of the case.
     repeats : int or None
         Number of such experiments for a log Bayes factor of 5.
+    case : str
+        Case file of the set-up (TOML); of the best one only, else empty.
     """
 
     description: str
@@ -78,6 +84,7 @@ class NextExperiment(Part):
     units: str = "bit"
     set_up: dict[str, float] = {}
     repeats: int | None = None
+    case: str = ""
 
 
 class Cost(Part):
@@ -113,6 +120,12 @@ class Details(Part):
         None where no effect is named.
     alternatives : list of NextExperiment
         What else was considered, the best first.
+    coarse_cells : dict
+        Experiment -> largest cell size [m] that the verdict layer was fitted with, where the cells are coarser.
+    assumed : list of Assumption
+        What the experiments do not state.
+    runs : list of RunGroup
+    made : Made or None
     limits : list of str
         What this diagnosis cannot say; one sentence each.
     """
@@ -128,6 +141,10 @@ class Details(Part):
     ladder: list[Rung] = []
     confirmation: Confirmation | None = None
     alternatives: list[NextExperiment] = []
+    coarse_cells: dict[str, float] = {}
+    assumed: list[Assumption] = []
+    runs: list[RunGroup] = []
+    made: Made | None = None
     limits: list[str] = []
 
 

@@ -1,14 +1,26 @@
-"""The answer of a report as one paragraph, and its headline."""
+"""The answer of a report in a few sentences, and its headline; `standing` says what they may claim."""
 
-from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
+from typing import NamedTuple
+
+from fvcollapse.diagnosis.names import NONE, RECALIBRATED, UNKNOWN
+from fvcollapse.diagnosis.report.certainty import certainty
 from fvcollapse.diagnosis.report.regions import region_words
+from fvcollapse.diagnosis.report.standing import (
+    HALF,
+    NAMED,
+    NOTHING,
+    OPEN,
+    UNEXPLAINED,
+    standing,
+    supports,
+    without,
+)
 from fvcollapse.diagnosis.report.words import (
     effect_meaning,
     hypothesis_name,
     listed,
     number,
     percent,
-    ranking,
     span,
     with_unit,
 )
@@ -17,38 +29,229 @@ from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import observable_words, shown_gap
 
 LARGEST_REGIONS = 2  # named in the answer
-COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-CLOSE_SECOND = 0.05  # probability from which another hypothesis is named after the first
+LEFT_OVER = 1.0 / 3.0  # probability beside the open causes from which "others" are named too
+
+
+class Answer(NamedTuple):
+    """The answer in parts, each one or more sentences.
+
+    Attributes
+    ----------
+    cause, certainty, closed : str
+        Which cause, how sure, how much of the gap it closes.
+    where : list of str
+        Where the gap lies, and what is wrong with the measured profiles.
+    following : str
+        What to measure next; empty where nothing is left to separate.
+    """
+
+    cause: str
+    certainty: str
+    closed: str
+    where: list
+    following: str
+
+
+def parts_of(report):
+    """The `Answer` of a report."""
+    following = report.next_experiment
+    return Answer(
+        cause=cause_words(report),
+        certainty=certainty(report),
+        closed=closed_words(report),
+        where=[where_sentence(report), *report.details.grains],
+        following="" if following is None else next_sentence(following),
+    )
 
 
 def answer(report):
-    """The sentences of the answer, the most important first."""
-    kind = report.verdict.kind
-    sentences = [where_sentence(report), *report.details.grains]
-    if kind == NONE:
-        sentences += none_sentences(report)
-    elif kind == UNKNOWN:
-        sentences += unknown_sentences(report)
-    else:
-        sentences += [cause_sentence(report), *confusion_sentences(report)]
-        sentences += addition_sentences(report)
-        sentences += reduction_sentences(report)
-    if report.next_experiment is not None:
-        sentences.append(next_sentence(report.next_experiment))
-    return sentences
+    """The answer as labelled lines, the most important first, as the command line prints it."""
+    parts = parts_of(report)
+    lines = [
+        f"Cause: {parts.cause}",
+        f"How sure: {parts.certainty}",
+        f"Gap closed: {parts.closed}",
+        f"Where: {' '.join(parts.where)}",
+    ]
+    return [*lines, f"Next: {parts.following}"] if parts.following else lines
+
+
+def headline(report):
+    """The verdict in a few words, with the probability of every cause that it names: never firmer than its numbers."""
+    state, causes, shares, best = standing(report)
+    if state == NOTHING:
+        return "No missing effect is needed: no significant gap is left"
+    if state == UNEXPLAINED:
+        chance = percent(shares[UNKNOWN])
+        return (
+            f"No effect that was tried explains the gap: a cause outside {tried(report)} ({chance})"
+        )
+    if state == OPEN:
+        names = [*with_chances(causes, shares, report), *more_words(report, causes)]
+        return f"These data cannot tell between {listed(names)}"
+    first, *others = with_chances(causes, shares, report)
+    names = first + "".join(
+        f" and {name}" if shares[cause] >= HALF else f", perhaps with {name}"
+        for cause, name in zip(causes[1:], others, strict=True)
+    )
+    if state == NAMED:
+        confirmed = report.details.confirmation.wording == "confirmed"
+        return f"Most likely cause: {names}, {'confirmed' if confirmed else 'not yet confirmed'}"
+    return f"The data lean towards {names}{doubt(report, causes[0], best)}"
+
+
+def doubt(report, cause, best):
+    """What speaks against the cause to which the data lean, as the end of a sentence; may be empty."""
+    if cause == NONE:
+        return ", but a gap is left"
+    if cause == UNKNOWN:
+        if best is None or best.fitted <= HALF:
+            return ", but it is not sure"
+        return f", but {joined(best.effects)} closes {percent(best.fitted)} of the gap"
+    return ", but it is not sure" if supports(report, cause) else ", but it is not confirmed"
+
+
+def more_words(report, causes):
+    """What stands at the end of a list of open causes that holds too little of the probability."""
+    others = sum(without(report.verdict.probability, causes).values())
+    return ["others"] if others > LEFT_OVER else []
+
+
+def with_chances(causes, shares, report):
+    """Names of causes, each with its probability."""
+    return [f"{cause_name(cause, report)} ({percent(shares[cause])})" for cause in causes]
+
+
+def cause_name(cause, report):
+    """A cause in words; an unknown one lies outside of what was tried."""
+    return f"a cause outside {tried(report)}" if cause == UNKNOWN else hypothesis_name(cause)
+
+
+def joined(effects):
+    """Several effects that act together, in words."""
+    return listed(hypothesis_name(name) for name in effects)
+
+
+def tried(report):
+    """The effects that an unknown cause is not among."""
+    known = {name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE}
+    return "the catalogue" if known <= set(report.candidates) else "the effects that were tried"
+
+
+# -- the cause -----------------------------------------------------------------------------------
+
+
+def cause_words(report):
+    """Which cause, and the meaning of it; no numbers of place and time."""
+    state, causes, shares, best = standing(report)
+    if state == NOTHING:
+        return (
+            "none is needed. The model as given and these data agree within their uncertainties. "
+            "This does not show that no effect acts."
+        )
+    if state == UNEXPLAINED:
+        closest = (
+            "" if best is None else f" The best of those that were run is {joined(best.effects)}."
+        )
+        return (
+            f"none of the {len(report.candidates)} effects that were tried, with plausible values. It lies in "
+            f"the model, or in a measurement error larger than its stated uncertainty.{closest}"
+        )
+    names = [cause_name(cause, report) for cause in causes]
+    if state == OPEN:
+        names = listed([*names, *more_words(report, causes)])
+        return " ".join([f"open between {names}.", *confusions(report, causes)])
+    leads = "" if state == NAMED else "probably " if shares[causes[0]] >= HALF else "perhaps "
+    text = f"{leads}{listed(names)}{meaning_of(causes)}."
+    return " ".join([text, *confusions(report, causes), *additions(report, causes)])
+
+
+def meaning_of(causes):
+    """What the effects among the causes are, in brackets; empty without one."""
+    meanings = [meaning for cause in causes if (meaning := effect_meaning(cause))]
+    return f" ({'; '.join(one[0].lower() + one[1:] for one in meanings)})" if meanings else ""
+
+
+def confusions(report, causes):
+    """One sentence for each group that cannot be told apart and holds one of the causes."""
+    groups = [group for group in report.verdict.indistinguishable if set(causes) & set(group)]
+    return [
+        f"These data cannot tell apart {listed(hypothesis_name(name) for name in group)}."
+        for group in groups
+        if len(group) > 1 and not set(group) <= set(causes)
+    ]
+
+
+def additions(report, causes):
+    """One sentence on the second effects that the data leave open beside the causes."""
+    pairs = [set(name.split("+")) for name in report.verdict.set if "+" in name]
+    others = dict.fromkeys(
+        hypothesis_name(name) for pair in pairs if pair & set(causes) for name in pair - set(causes)
+    )
+    if not others:
+        return []
+    return [f"The data do not exclude that {listed(others, 'or')} acts as well."]
+
+
+# -- how much closes -----------------------------------------------------------------------------
+
+
+def closed_words(report):
+    """How much of the gap closes with the cause really added to the solver."""
+    state, causes, _, best = standing(report)
+    reduction = report.reduction
+    if reduction is not None and set(causes) & set(report.verdict.effects):
+        text = (
+            f"with {joined(report.verdict.effects)} really added to the solver and the model re-calibrated, "
+            f"{closed(reduction.fitted.overall)} of the gap closes in the experiments that were fitted"
+        )
+        if reduction.held_out is not None:
+            text += f" and {closed(reduction.held_out.overall)} in those that were held out"
+        return f"{text}."
+    alone = recalibrated_words(report)
+    if state == NOTHING:
+        return f"there is no significant gap to close.{alone}"
+    if best is None:
+        return f"no effect was added to the solver.{alone}"
+    held_out = "" if best.held_out is None else f" and {percent(best.held_out)} in those held out"
+    return (
+        f"of the models that were run, that with {joined(best.effects)} closes most: {percent(best.fitted)} of "
+        f"the gap in the experiments that were fitted{held_out}.{alone}"
+    )
+
+
+def recalibrated_words(report):
+    """What a re-calibration without any effect closes; empty where it was not run."""
+    for rung in report.details.ladder:
+        if rung.model == RECALIBRATED and rung.fitted.fraction_closed is not None:
+            return (
+                f" Re-calibration without any effect closes {percent(rung.fitted.fraction_closed)}."
+            )
+    return ""
+
+
+def closed(part):
+    """Fraction of a gap that closed, with its range."""
+    return percent(part.fraction_closed) + (
+        f" ({span(part.interval, percent)})" if part.interval else ""
+    )
+
+
+# -- where, and what next ------------------------------------------------------------------------
 
 
 def where_sentence(report):
     """Where the gap lies."""
     regions = report.where
     if not regions:
-        text = "No single region of the data shows a significant difference"
-        if report.verdict.kind != NONE:
-            text += "; all points taken together do"
+        text = "no single region of the data shows a significant difference"
+        if standing(report).state not in (NOTHING, OPEN):
+            text += "; the answer rests on all points taken together"
         return f"{text}."
     largest = sorted(regions, key=lambda region: -region.significance)[:LARGEST_REGIONS]
     words = "; ".join(
-        f"{region_words(region).partition(';')[0]} ({region.experiment})" for region in largest
+        f"{region_words(region, report).partition(';')[0]} ({region.experiment})"
+        for region in largest
     )
     others = len(regions) - len(largest)
     more = f"; and {others} smaller region{'s' if others > 1 else ''}" if others else ""
@@ -58,111 +261,8 @@ def where_sentence(report):
         else ""
     )
     return (
-        "Simulation and experiment differ by more than the uncertainties of measurement, grid and "
-        f"calibrated parameters explain{corrected}: {words}{more}."
-    )
-
-
-def none_sentences(report):
-    """The meaning of "none"."""
-    verdict = report.verdict
-    chance = percent(verdict.probability[NONE])
-    sentences = [f"No missing effect is needed to explain these data (probability {chance})."]
-    first, most = ranking(report)[0]
-    if first != NONE:
-        sentences.append(
-            f"A higher probability falls to {hypothesis_name(first)} ({percent(most)}), but the model "
-            "without it is not rejected."
-        )
-    others = [hypothesis_name(name) for name in verdict.set if name != NONE]
-    if others:
-        sentences.append(f"The data do not exclude {listed(others, 'or')}.")
-    if report.where:
-        sentences.append(
-            "The differences above are of a size that a model without any missing effect shows as well."
-        )
-    return sentences
-
-
-def unknown_sentences(report):
-    """The meaning of "unknown"."""
-    likely = "Most probably" if leads(report, UNKNOWN) else "Possibly"
-    chance = percent(report.verdict.probability[UNKNOWN])
-    return [
-        f"None of the effects that were tried ({len(report.candidates)}) explains this with plausible "
-        f"values. {likely} ({chance}) the cause lies outside {tried(report)}: in the model, or in "
-        "a measurement error larger than its stated uncertainty."
-    ]
-
-
-def tried(report):
-    """The effects that an unknown cause is not among."""
-    known = {name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE}
-    return "the catalogue" if known <= set(report.candidates) else "the effects that were tried"
-
-
-def cause_sentence(report):
-    """The effect, its meaning and probability, and who comes next."""
-    verdict = report.verdict
-    first, share = named(report)
-    chance = percent(share)
-    if verdict.kind == SEVERAL and "+" not in first:
-        names = listed((hypothesis_name(name) for name in verdict.effects), "or")
-        chances = listed(percent(verdict.probability[name]) for name in verdict.effects)
-        return f"These data leave more than one cause open: {names} (probabilities {chances})."
-    meaning = effect_meaning(first)
-    meaning = f" ({meaning[0].lower()}{meaning[1:]})" if meaning else ""
-    rank = "" if leads(report, first) else " that is not rejected"
-    text = f"The most probable cause{rank} is {hypothesis_name(first)}{meaning}, with probability {chance}"
-    close = [(name, p) for name, p in ranking(report) if name != first and p >= CLOSE_SECOND]
-    if close:
-        text += "; " + listed(f"{hypothesis_name(name)} has {percent(p)}" for name, p in close)
-    return f"{text}."
-
-
-def confusion_sentences(report):
-    """Groups that cannot be told apart and hold a named effect."""
-    named = set(report.verdict.effects)
-    groups = [group for group in report.verdict.indistinguishable if named & set(group)]
-    return [
-        f"These data cannot tell apart {listed(hypothesis_name(name) for name in group)}."
-        for group in groups
-        if len(group) > 1
-    ]
-
-
-def addition_sentences(report):
-    """Second effects that the data leave open in addition to the one that is named."""
-    first = set(report.verdict.effects)
-    pairs = [set(name.split("+")) for name in report.verdict.set if "+" in name]
-    others = [hypothesis_name(name) for pair in pairs if first < pair for name in pair - first]
-    if not others:
-        return []
-    cause = hypothesis_name(named(report)[0])
-    return [f"The data do not exclude that {listed(others, 'or')} acts in addition to {cause}."]
-
-
-def reduction_sentences(report):
-    """How far the gap closes, and how strong the wording is."""
-    reduction, confirmation = report.reduction, report.details.confirmation
-    sentences = []
-    if reduction is not None:
-        text = (
-            "With the effect really added to the solver and the model re-calibrated, "
-            f"{closed(reduction.fitted.overall)} of the gap closes in the experiments that were fitted"
-        )
-        if reduction.held_out is not None:
-            text += f" and {closed(reduction.held_out.overall)} in those that were held out"
-        sentences.append(f"{text}.")
-    if confirmation is not None:
-        sentences.append(f"{wording(confirmation)}: {listed(confirmation.reasons)}.")
-    return sentences
-
-
-def closed(part):
-    """Fraction of a gap that closed, with its range."""
-    return percent(part.fraction_closed) + (
-        f" ({span(part.interval, percent)})" if part.interval else ""
+        "simulation and experiment differ by more than measurement, grid and calibrated parameters explain"
+        f"{corrected}: {words}{more}."
     )
 
 
@@ -175,62 +275,7 @@ def expected_gaps(report):
     return ", ".join(parts)
 
 
-def named(report):
-    """(hypothesis, probability) that the verdict states."""
-    verdict = report.verdict
-    pair = "+".join(sorted(verdict.effects)) or verdict.kind
-    name = pair if pair in verdict.probability else verdict.effects[0]
-    return name, verdict.probability[name]
-
-
-def wording(confirmation):
-    """The strongest statement that the runs allow."""
-    return {
-        "confirmed": "The cause is confirmed",
-        "consistent with": "The data are consistent with this cause, which is less than a confirmation",
-        "not confirmed": "The cause is not confirmed",
-    }[confirmation.wording]
-
-
 def next_sentence(measurement):
     """The most informative next measurement."""
     gain = with_unit(measurement.expected_gain, measurement.units, 2)
-    return f"Most informative next experiment: {measurement.description} (expected gain {gain})."
-
-
-def headline(report):
-    """The verdict in a few words, with its probability: never firmer than its number."""
-    verdict = report.verdict
-    if verdict.kind == NONE:
-        text = f"No missing effect is needed ({percent(verdict.probability[NONE])})"
-        return text + not_excluded(report, {NONE})
-    if verdict.kind == UNKNOWN:
-        chance = percent(verdict.probability[UNKNOWN])
-        likely = "Most likely" if leads(report, UNKNOWN) else "Possibly"
-        text = f"{likely} a cause outside {tried(report)} ({chance})"
-        return text + not_excluded(report, {UNKNOWN})
-    name, chance = named(report)
-    if verdict.kind == SEVERAL and "+" not in name:
-        causes = (
-            f"{hypothesis_name(effect)} ({percent(verdict.probability[effect])})"
-            for effect in verdict.effects
-        )
-        return f"Several causes possible: {listed(causes, 'or')}"
-    likely = "Most likely" if leads(report, name) else "Possible"
-    text = f"{likely} cause: {hypothesis_name(name)} ({percent(chance)})"
-    return text + not_excluded(report, {name})
-
-
-def leads(report, name):
-    """Whether no hypothesis has a larger probability."""
-    probability = report.verdict.probability
-    return probability[name] >= max(probability.values())
-
-
-def not_excluded(report, stated):
-    """How many hypotheses the data leave open in addition to those that are stated; empty for none."""
-    count = len(set(report.verdict.set) - stated)
-    if count == 0:
-        return ""
-    number = COUNTS[count] if count < len(COUNTS) else str(count)
-    return f"; {number} other{' is' if count == 1 else 's are'} not excluded"
+    return f"{measurement.description} (expected gain {gain})."

@@ -1,10 +1,12 @@
 """Tables of the page: rows of words and numbers."""
 
+from typing import NamedTuple
+
 from fvcollapse.diagnosis.names import BASELINE
 from fvcollapse.diagnosis.points import PHASES
 from fvcollapse.diagnosis.report import words
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.measure.quantities import observable_words, shown_gap, shown_value
+from fvcollapse.measure.quantities import observable_words, plain_unit, shown_gap, shown_value
 
 SHARE_LEAST = 0.005  # of the squared gap: what is less is not listed
 PRIORS = {
@@ -25,11 +27,11 @@ def set_up_rows(report):
     return rows
 
 
-def overlay_groups(report, overlays):
+def picture_groups(report, pictures):
     """(experiment, title, fitted or held out, its pictures), the fitted first."""
     groups = []
     for name, set_up, role, _ in set_up_rows(report):
-        mine = [picture for picture in overlays if picture.experiment == name]
+        mine = [picture for picture in pictures if picture.experiment == name]
         if mine:
             groups.append((name, set_up.title if set_up else "", role, mine))
     return groups
@@ -118,13 +120,10 @@ def reduction_cell(part, shown):
         return None
     factor, unit = shown
     before, after = (words.number(factor * value, 2) for value in (part.before, part.after))
-    return (
-        before,
-        after,
-        unit,
-        words.percent(part.fraction_closed),
-        words.span(part.interval, words.percent),
-    )
+    if part.before == 0.0 and part.after == 0.0:  # nothing beyond the noise, and nothing to close
+        return before, after, unit, "\N{EN DASH}", ""
+    closed = words.percent(part.fraction_closed)
+    return before, after, unit, closed, words.span(part.interval, words.percent)
 
 
 def rung_rows(report):
@@ -149,9 +148,40 @@ def absorbed_rows(report):
     return rows
 
 
-def prior_words(prior):
-    """A prior in words."""
-    if prior is None:
-        return "\N{EN DASH}"
+class ShownParameter(NamedTuple):
+    """A parameter in words; `interval` and `prior` are empty where there is none."""
+
+    value: str
+    unit: str
+    interval: str
+    prior: str
+
+
+def shown_parameter(one):
+    """A `Parameter` as the page shows it: lengths in cm."""
+    factor, unit = (words.CENTIMETRES, "cm") if one.units == "m" else (1.0, plain_unit(one.units))
+
+    def number(value):
+        return words.number(factor * value)
+
+    both = one.low is not None and one.high is not None
+    return ShownParameter(
+        value=number(one.value),
+        unit=unit,
+        interval=words.span((one.low, one.high), number) if both else "",
+        prior=prior_words(one.prior, factor) if one.prior else "",
+    )
+
+
+def prior_words(prior, factor=1.0):
+    """A prior in words, its numbers times a factor; the second one of a logarithmic normal is none of a length."""
     form = PRIORS.get(prior.kind, "{0}, {1} (" + prior.kind + ")")
-    return form.format(words.number(prior.first), words.number(prior.second))
+    return form.format(words.number(factor * prior.first), words.number(factor * prior.second))
+
+
+def assumed_rows(report):
+    """(assumption, names of the experiments that share it) of all that was assumed."""
+    shared = {}
+    for one in report.details.assumed:
+        shared.setdefault((one.key, one.value), (one, []))[1].append(one.experiment)
+    return list(shared.values())

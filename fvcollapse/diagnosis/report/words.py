@@ -4,10 +4,11 @@ from typing import get_args, get_type_hints
 
 from fvcollapse.case.case import Effects
 from fvcollapse.diagnosis.names import BASELINE, NONE, RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
-from fvcollapse.measure.quantities import plain_unit
+from fvcollapse.measure.quantities import observable_words, plain_unit
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
+CENTIMETRES = 100.0  # in a metre: lengths of a page are in cm
 # a change of the set-up in words: value in SI units, and the same in cm
 CHANGES = {
     "geometry.slope_angle_deg": "at {0:g}\N{DEGREE SIGN}",
@@ -87,11 +88,6 @@ def tenths(value):
     return "\N{EN DASH}" if value is None else f"{value:.1f}".replace("-", MINUS)
 
 
-def hundredths(value):
-    """A number with two decimals."""
-    return f"{value:.2f}".replace("-", MINUS)
-
-
 def percent(share):
     """A fraction in per cent, without decimals; near 0 and 1 only a bound."""
     if share is None:
@@ -100,7 +96,8 @@ def percent(share):
         return "<1 %"
     if 0.995 <= share < 1.0:
         return ">99 %"
-    return f"{100.0 * share:.0f} %".replace("-", MINUS)
+    whole = round(100.0 * share) + 0  # no minus before a zero
+    return f"{whole} %".replace("-", MINUS)
 
 
 def span(interval, show=number):
@@ -116,6 +113,11 @@ def with_unit(value, units, digits=3):
     return f"{number(value, digits)} {plain_unit(units)}".rstrip()
 
 
+def in_cm(metres):
+    """A length in cm with its unit."""
+    return f"{number(CENTIMETRES * metres)} cm"
+
+
 def listed(words, last="and"):
     """`a, b and c`."""
     words = list(words)
@@ -125,7 +127,7 @@ def listed(words, last="and"):
 def candidate_words(candidate):
     """A `next_candidates.Candidate` in words: what differs from the experiment of reference."""
     if candidate.added:
-        added = " and ".join(candidate.added)
+        added = listed(observable_words(name) for name in candidate.added)
         return f"the same set-up as {candidate.reference}, with {added} measured too"
     sizes = {key: value for key, value in candidate.changes.items() if key in CHANGES}
     changes = [CHANGES[key].format(value, 100.0 * value) for key, value in sizes.items()]

@@ -1,0 +1,68 @@
+"""The parser of the command line: complaints are one line with the nearest name, no arguments show the help."""
+
+import argparse
+import sys
+from difflib import get_close_matches
+
+from fvcollapse.errors import InputError, one_line
+
+LEAST_ALIKE = 0.5  # of two names, below which none is proposed
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line, as all others."""
+
+    given = ()  # the words that are being read
+
+    def error(self, message):
+        """Refuse the arguments; an option that is none is perhaps why another one is missing."""
+        known = self._option_string_actions
+        words = [word.partition("=")[0] for word in self.given if word.startswith("--")]
+        strange = [word for word in words if not any(name.startswith(word) for name in known)]
+        self.refuse(message, nearest(strange[0], known) if strange else "")
+
+    def refuse(self, found, meant=""):
+        """Refuse the arguments, with what was perhaps meant.
+
+        Raises
+        ------
+        InputError
+        """
+        usage = f"the arguments listed by `{self.prog} --help`"
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise InputError("command line", self.prog, one_line(found), f"{usage}{hint}")
+
+    def parse_known_args(self, args=None, namespace=None):
+        """Arguments that are read; what is left over is refused, by the command that it was given to."""
+        self.given = tuple(sys.argv[1:] if args is None else args)
+        found, extra = super().parse_known_args(args, namespace)
+        if extra:
+            option = next((word for word in extra if word.startswith("-")), extra[0])
+            meant = nearest(option.partition("=")[0], self._option_string_actions)
+            self.refuse(f"unrecognized arguments: {' '.join(extra)}", meant)
+        return found, extra
+
+    def _check_value(self, action, value):
+        """Refuse a value that is none of the choices; the hook of `argparse` for it."""
+        if action.choices is not None and value not in action.choices:
+            name = "/".join(action.option_strings) or action.metavar or action.dest
+            choices = ", ".join(str(choice) for choice in action.choices)
+            found = f"argument {name}: invalid choice: {value!r} (choose from {choices})"
+            self.refuse(found, nearest(str(value), map(str, action.choices)))
+
+
+def nearest(word, names):
+    """The name most like a word; empty where none is."""
+    return next(iter(get_close_matches(word, list(names), n=1, cutoff=LEAST_ALIKE)), "")
+
+
+def add_commands(parser):
+    """The place for the commands of a parser, which without any prints its help."""
+    parser.set_defaults(command=lambda arguments: show_help(parser))
+    return parser.add_subparsers(title="commands", metavar="COMMAND", dest="name")
+
+
+def show_help(parser):
+    """Print the help; exit status 0."""
+    parser.print_help()
+    return 0

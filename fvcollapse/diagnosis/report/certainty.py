@@ -1,0 +1,83 @@
+"""How sure an answer is, in words: probability, strength of the runs, and what makes the numbers weak."""
+
+from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
+from fvcollapse.diagnosis.names import NONE
+from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, standing
+from fvcollapse.diagnosis.report.words import CENTIMETRES, hypothesis_name, listed, number, percent
+from fvcollapse.measure.quantities import observable_words
+
+NEXT = 0.05  # probability from which another cause is named after the first
+MUCH = 0.5  # share of the grid in the variance of a gap that is worth a sentence
+GRID = "grid"  # the source of uncertainty, as `findings.budget` names it
+STRENGTH = {
+    CONFIRMED: "confirmed",
+    CONSISTENT: "consistent with the data, which is less than confirmed",
+    "not confirmed": "not confirmed by the runs",
+}
+
+
+def wording(confirmation):
+    """The strongest statement that the runs allow, as the beginning of a sentence."""
+    return f"The cause is {STRENGTH[confirmation.wording]}"
+
+
+def certainty(report):
+    """How sure the answer is."""
+    stand = standing(report)
+    parts = [probability_words(report, stand)]
+    confirmation = report.details.confirmation
+    if confirmation is not None and stand.causes[0] in report.verdict.effects:
+        parts.append(f"{wording(confirmation)}: {listed(confirmation.reasons)}.")
+    return " ".join([*parts, *weak_words(report)])
+
+
+def probability_words(report, stand):
+    """The probabilities of the causes that the headline names, and of the next."""
+    state, causes, shares, _ = stand
+    if state == OPEN:
+        return f"no cause is clearly ahead; the first has {percent(shares[causes[0]])}."
+    others = beside(report.verdict.probability, causes)
+    name, chance = next(iter(others.items()), (None, 0.0))
+    following = (
+        f"; next is {hypothesis_name(name)} with {percent(chance)}" if chance >= NEXT else ""
+    )
+    stated = listed(f"{hypothesis_name(cause)} {percent(shares[cause])}" for cause in causes)
+    if state == NOTHING:
+        return f"nothing missing has a probability of {percent(shares[NONE])}{following}."
+    return f"{stated}{following}."
+
+
+def weak_words(report):
+    """What makes the probabilities weak, one sentence each."""
+    words = []
+    fitted, size = report.details.coarse_cells, report.cost.cell_size
+    if fitted:
+        largest = number(CENTIMETRES * min(fitted.values()))
+        words.append(
+            f"The cells of {number(CENTIMETRES * size)} cm are coarser than those that the verdict layer was fitted "
+            f"with (at most {largest} cm), so these probabilities are not calibrated."
+        )
+    elif not is_calibrated(report):
+        words.append("These probabilities are not calibrated.")
+    name, share = grid_share(report)
+    if share >= MUCH:
+        words.append(
+            f"The grid is {percent(share)} of the variance of the {observable_words(name)}: refine it."
+        )
+    return words
+
+
+def is_calibrated(report):
+    """Whether the probabilities are those of the fitted verdict layer."""
+    return any(one.conformal_p is not None for one in report.details.hypotheses.values())
+
+
+def grid_share(report):
+    """(observable, share of the grid in its variance) where that is largest; ("", 0) without any."""
+    shares = {
+        name: sources.get(GRID, 0.0) ** 2 / total
+        for name, sources in report.details.budget.items()
+        if (total := sum(sd**2 for sd in sources.values())) > 0.0
+    }
+    name = max(shares, key=shares.get, default="")
+    return name, shares.get(name, 0.0)

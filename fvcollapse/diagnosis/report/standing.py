@@ -1,0 +1,182 @@
+"""What the numbers of a report together allow to be said: one of five states, and the causes that it names.
+
+A cause is an effect, "none" or "unknown". The probability of an effect is that of all hypotheses that hold it, alone
+or together with a second one; two effects may therefore have more than 100 % between them.
+"""
+
+from typing import NamedTuple
+
+from fvcollapse.diagnosis.confirmation import CHECK_PASSED, CONFIRMED, CONSISTENT
+from fvcollapse.diagnosis.names import BASELINE, NONE, UNKNOWN, effects_of
+
+NAMED, LEANING, OPEN, NOTHING, UNEXPLAINED = "named", "leaning", "open", "nothing", "unexplained"
+HALF = 0.5  # probability from which a cause is named, share of the gap from which it is explained
+LEAST_LEAN = 1.0 / 3.0  # probability of a cause to which the data lean
+AHEAD = 2.0  # and its ratio to that of the next
+MOST_OPEN = 4  # causes that one sentence names
+BEYOND = 2.0  # ratio of a gap to its combined standard uncertainty that is no agreement
+
+
+class Best(NamedTuple):
+    """The model of the ladder that closes most of the fitted gap: its effects, and the fractions that it closes."""
+
+    effects: tuple
+    fitted: float
+    held_out: float | None
+
+
+class Standing(NamedTuple):
+    """The state of the question after a diagnosis.
+
+    Attributes
+    ----------
+    state : str
+        NAMED: one cause has half of the probability, and the runs confirm it or are consistent with it. LEANING:
+        one cause is ahead. OPEN: several are left. NOTHING: no gap is left and nothing missing is the most
+        probable. UNEXPLAINED: a cause outside the catalogue has half of the probability and no model that was
+        run closes half of the gap.
+    causes : tuple of str
+        Of NAMED and LEANING the first, and the effect that probably acts beside it; of OPEN those that are
+        left, at least two; else the one that the state is about.
+    shares : dict
+        Cause -> probability, the largest first.
+    best : Best or None
+        None where no model with an effect was run.
+    """
+
+    state: str
+    causes: tuple
+    shares: dict
+    best: Best | None
+
+
+def causes_of(hypothesis):
+    """The causes of a hypothesis: its effects, or itself where it is none."""
+    return effects_of(hypothesis) or (hypothesis,)
+
+
+def totals(probability):
+    """{cause: probability of all hypotheses that hold it}, the largest first."""
+    shares = {}
+    for name, chance in probability.items():
+        for cause in causes_of(name):
+            shares[cause] = shares.get(cause, 0.0) + chance
+    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+
+
+def alone(probability, cause):
+    """Probability that a cause acts and nothing beside it."""
+    return probability.get(cause, 0.0)
+
+
+def without(probability, causes):
+    """{hypothesis: probability} of the hypotheses that hold none of the causes."""
+    return {
+        name: chance for name, chance in probability.items() if not set(causes) & {*causes_of(name)}
+    }
+
+
+def beside(probability, causes):
+    """`totals` of the hypotheses that hold none of the causes."""
+    return totals(without(probability, causes))
+
+
+def standing(report):
+    """The `Standing` of a report."""
+    probability = report.verdict.probability
+    shares, best = totals(probability), best_model(report)
+    first, share = next(iter(shares.items()))
+    rival = next(iter(beside(probability, [first]).values()), 0.0)
+    leans = share >= HALF or (share >= LEAST_LEAN and share >= AHEAD * rival)
+    if first == NONE and not is_left(report):
+        state = NOTHING
+    elif first == UNKNOWN and share >= HALF and not explains(report):
+        state = UNEXPLAINED
+    elif share >= HALF and supports(report, first):
+        state = NAMED
+    else:
+        state = LEANING if leans else OPEN
+    causes = open_causes(probability, first) if state == OPEN else (first,)
+    if state in (NAMED, LEANING):
+        causes = (first, *companion(probability, first))
+    return Standing(state, causes, shares, best)
+
+
+def companion(probability, first):
+    """The effect that acts beside the first with half of its probability or more; () without one."""
+    together = {
+        other: chance
+        for name, chance in probability.items()
+        if first in (parts := effects_of(name))
+        for other in parts
+        if other != first
+    }
+    other = max(together, key=together.get, default=None)
+    if other is None or together[other] < HALF * totals(probability)[first]:
+        return ()
+    return (other,)
+
+
+def open_causes(probability, first):
+    """The causes among which the data cannot tell, at least two.
+
+    Each has half of the probability of the first, or is needed for half of the probability together.
+    """
+    causes, least = [first], HALF * totals(probability)[first]
+    while len(causes) < MOST_OPEN:
+        name, chance = next(iter(beside(probability, causes).items()), (None, 0.0))
+        covered = 1.0 - sum(without(probability, causes).values())
+        if name is None or (chance < least and covered >= HALF and len(causes) > 1):
+            break
+        causes.append(name)
+    return tuple(causes)
+
+
+def best_model(report):
+    """The `Best` model of the ladder with an effect; None where none was run."""
+    rungs = [rung for rung in report.details.ladder if rung.effects]
+    rungs = [rung for rung in rungs if rung.fitted.fraction_closed is not None]
+    if rungs:
+        rung = max(rungs, key=lambda one: one.fitted.fraction_closed)
+        held_out = rung.held_out.fraction_closed if rung.held_out else None
+        return Best(tuple(rung.effects), rung.fitted.fraction_closed, held_out)
+    if report.reduction is None or not report.verdict.effects:
+        return None
+    held_out = report.reduction.held_out
+    return Best(
+        tuple(report.verdict.effects),
+        report.reduction.fitted.overall.fraction_closed,
+        held_out.overall.fraction_closed if held_out else None,
+    )
+
+
+def explains(report):
+    """Whether a model that was run closes more than half of the gap, with an effect or re-calibrated alone."""
+    fractions = [
+        part.fraction_closed
+        for rung in report.details.ladder
+        if rung.model != BASELINE
+        for part in (rung.fitted, rung.held_out)
+        if part is not None and part.fraction_closed is not None
+    ]
+    if report.reduction is not None:
+        fractions.append(report.reduction.fitted.overall.fraction_closed)
+    return max(fractions, default=0.0) > HALF
+
+
+def is_left(report):
+    """Whether a gap is left without any effect: a region, an observable, or all points taken together."""
+    none = report.details.hypotheses.get(NONE)
+    rejected = (
+        none is not None and none.predictive_p is not None and none.predictive_p < CHECK_PASSED
+    )
+    beyond = any(gap.ratio > BEYOND for gap in report.by_observable.values())
+    return bool(report.where) or beyond or rejected
+
+
+def supports(report, cause):
+    """Whether the runs with a cause confirm it, or are consistent with it."""
+    confirmation = report.details.confirmation
+    if confirmation is None or confirmation.wording not in (CONFIRMED, CONSISTENT):
+        return False
+    return cause in report.verdict.effects

@@ -1,0 +1,77 @@
+"""The command line itself: help without arguments, the nearest name, lists, the cache of runs."""
+
+import os
+
+import pytest
+
+import fvcollapse
+from fvcollapse.__main__ import main
+from fvcollapse.studies.cache import EXTRACT, RunCache, cache_key
+from fvcollapse.studies.cache_size import cache_size, prune
+from fvcollapse.verification import problem_names
+
+COARSE = {"grid.cell_size": 0.035, "time.end": 0.02}
+
+
+@pytest.mark.parametrize(
+    ("words", "command"), [([], "diagnose"), (["blind"], "score"), (["new"], "effect")]
+)
+def test_without_arguments_there_is_help(words, command, capsys):
+    assert main(words) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith(" ".join(["usage: fvcollapse", *words]))
+    assert command in printed
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["diagnos", "beads"], "diagnose"),
+        (["blind", "mak"], "make"),
+        (["bench", "--efects"], "--effects"),
+        (["run", "case.toml", "--quite"], "--quiet"),
+        (["converge", "case.toml", "--cellsize", "1"], "--cell-size"),
+        (["import-curves", "--out", "beads", "--time-unit", "mss"], "ms"),
+    ],
+)
+def test_the_nearest_name_is_proposed(words, meant, capsys):
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert told.endswith(f"; did you mean {meant}?\n")
+
+
+def test_a_word_like_no_other_gets_no_proposal(capsys):
+    assert main(["xyzzy"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+
+
+def test_verify_lists_its_problems(capsys):
+    assert main(["verify", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == problem_names()
+    assert all(len(line.split()) > 1 for line in lines)
+
+
+def test_cache_says_where_and_how_large_and_is_pruned(tmp_path, capsys):
+    folder = tmp_path / "cache"
+    assert main(["cache", "--cache", str(folder)]) == 0
+    assert (
+        f"{folder}: kept 0 finished runs and 0 that were begun, 0.0 MB" in capsys.readouterr().out
+    )
+    case = fvcollapse.load_case("runs/collapse_22deg_w10cm.toml").replace(**COARSE)
+    cache = RunCache(folder)
+    cache.run(case)
+    place = cache.place(case)
+    size = cache_size(folder)
+    assert (size.finished, size.begun) == (1, 0)
+    assert size.size >= (place / EXTRACT).stat().st_size
+    assert prune(folder).finished == 0
+    strange = place.parent.parent / "00" / ("00" + cache_key(case)[2:])
+    strange.parent.mkdir()
+    os.rename(place, strange)  # as if another solver had computed it
+    (folder / "notes.txt").write_text("mine")
+    assert main(["cache", "--cache", str(folder), "--prune"]) == 0
+    assert "removed 1 finished runs" in capsys.readouterr().out
+    assert not strange.exists()
+    assert (folder / "notes.txt").exists()
