@@ -28,7 +28,9 @@ class Geometry(NamedTuple):
     of the bed, of the back wall and of the closed gate; index_u, index_w: number of the unknown on
     each face, -1 where there is none; first, last: the columns [first, last) that are solved; all
     of them, but for the halo of a periodic stretch; interior (nx+1, nz+1): nodes whose four faces
-    are all unknowns, the others lie on a wall, the gate or the surface; reach (nx + 1,): rows of
+    are all unknowns, the others lie on a wall, the gate or the surface; plane, lying (nx+1, nz+1):
+    wetted part of the plane on which the grains shear at each node, and how much of it lies level
+    (`shear_planes`); reach (nx + 1,): rows of
     the cells, faces and nodes of column i that can touch grains, so that the loops of the solve
     need not visit the air; packing (nx, nz): local density over density_bulk, 1 in an
     incompressible mass; face masses carry it.
@@ -46,6 +48,8 @@ class Geometry(NamedTuple):
     index_u: np.ndarray
     index_w: np.ndarray
     interior: np.ndarray
+    plane: np.ndarray
+    lying: np.ndarray
     reach: np.ndarray
     packing: np.ndarray
     first: int
@@ -67,6 +71,8 @@ def allocate_geometry(nx, nz, halo=0):
         np.full((nx + 1, nz), -1, np.int64),
         np.full((nx, nz + 1), -1, np.int64),
         np.zeros((nx + 1, nz + 1), np.bool_),
+        np.zeros((nx + 1, nz + 1)),
+        np.ones((nx + 1, nz + 1)),
         np.zeros(nx + 1, np.int64),
         np.ones((nx, nz)),
         halo,

@@ -21,6 +21,7 @@ from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
 from .rheology import ETA_FLOOR
+from .shear_planes import pressure_on_plane
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
 
@@ -204,13 +205,13 @@ def add_extra_friction(
                 weight_centre[i, k] = max(weight_centre[i, k] + extra, v * ETA_FLOOR)
     for i in range(1, filled.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if geometry.interior[i, k]:
-                v = p = extra = 0.0
+            if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
+                v = extra = 0.0
                 for a in range(i - 1, i + 1):
                     for b in range(k - 1, k + 1):
                         v += 0.25 * filled[a, b]
-                        p += 0.25 * pressure_filled[a, b]
                         extra += 0.25 * filled[a, b] * extra_friction[a, b]
+                p = pressure_on_plane(pressure_filled, geometry, i, k)
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )

@@ -4,6 +4,7 @@ from .arrays import copy, scale
 from .compiled import kernel_jit
 from .gate import fill_gate
 from .geometry import fill_cells, fill_faces, fill_reach, fill_walls
+from .shear_planes import fill_planes
 from .unknowns import number_unknowns
 
 
@@ -38,4 +39,5 @@ def fill_geometry(geometry, level_set, packing, gate_column, open_end):
     fill_walls(geometry.bed_cover, geometry.wall_cover, level_set)
     fill_gate(geometry.gate_cover, level_set, aperture, gate_column)
     fill_reach(geometry.reach, geometry.filled)
+    fill_planes(geometry.plane, geometry.lying, geometry.filled, level_set, geometry.reach)
     return number_unknowns(geometry, open_end)

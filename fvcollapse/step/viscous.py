@@ -11,6 +11,7 @@ import numpy as np
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
 from .rheology import effective_viscosities
+from .shear_planes import pressure_on_plane
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
@@ -18,7 +19,7 @@ from .strain import mean_square, shear_rate_centre, shear_rate_from
 def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
-    """Filled fraction times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
+    """Filled fraction of cells, or wetted part of planes, times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
 
     The points are packed first, so that the viscosity is one long loop without branches.
     """
@@ -42,7 +43,7 @@ def viscosity_weights(
                 n += 1
     for i in range(1, weight_centre.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if geometry.interior[i, k]:
+            if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
                 weight_node[i, k] = fraction[n] * eta[n]
                 n += 1
 
@@ -65,26 +66,20 @@ def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, g
 
 @inner_jit()
 def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry):
-    """The same of the interior nodes, from place n on: means of the four cells around each."""
-    filled, interior = geometry.filled, geometry.interior
+    """The same of the interior nodes, from place n on: those of its plane."""
+    plane, interior = geometry.plane, geometry.interior
     for i in range(1, e_centre.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if interior[i, k]:
-                v = _mean_of_cells(filled, i, k)
+            v = plane[i, k]
+            if interior[i, k] and v > 0.0:
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )
                 fraction[n] = v
                 rate[n] = shear_rate_from(4.0 * e2, g_node[i, k] * g_node[i, k])
-                pressure[n] = _mean_of_cells(pressure_filled, i, k) / v
+                pressure[n] = pressure_on_plane(pressure_filled, geometry, i, k) / v
                 n += 1
     return n
-
-
-@inner_jit()
-def _mean_of_cells(field, i, k):
-    """Mean of the four cells around node (i, k)."""
-    return 0.25 * (field[i - 1, k - 1] + field[i, k - 1] + field[i - 1, k] + field[i, k])
 
 
 @inner_jit()
