@@ -19,7 +19,9 @@ from .strain import mean_square, shear_rate_centre, shear_rate_from
 def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
-    """Filled fraction of cells, or wetted part of planes, times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
+    """Effective viscosity, Pa s, times the filled fraction of wet cells or the wetted part of the planes of nodes.
+
+    It is zero elsewhere.
 
     The points are packed first, so that the viscosity is one long loop without branches.
     """
