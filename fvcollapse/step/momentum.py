@@ -17,6 +17,7 @@ import numpy as np
 from .arrays import average
 from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments, wetted_edge
+from .ghost_faces import with_ghosts
 from .passages import list_passages, transport
 
 
@@ -208,38 +209,13 @@ def mass_fluxes(
 
 
 @inner_jit()
-def with_ghosts(field, slip, odd_x, odd_z):
-    """Copy of a velocity component with two more faces on each side.
-
-    Back wall and bed mirror it: about zero the component normal to them (odd), u about the slip of
-    the bed; the far end continues it linearly, the top repeats the last face.
-    """
-    nx, nz = field.shape
-    padded = np.empty((nx + 4, nz + 4))
-    for i in range(nx):
-        for k in range(nz):
-            padded[i + 2, k + 2] = field[i, k]
-    for m in range(2):
-        for k in range(nz):
-            last, before = field[nx - 1, k], field[nx - 2, k]
-            padded[1 - m, k + 2] = -field[1 + m, k] if odd_x else field[m, k]
-            padded[nx + 2 + m, k + 2] = last + (m + 1) * (last - before)
-    for m in range(2):
-        for i in range(nx + 4):
-            inner = padded[i, 3 + m] if odd_z else padded[i, 2 + m]
-            about = 0.0 if odd_z else slip[min(max(i - 2, 0), nx - 1)]
-            padded[i, 1 - m] = 2.0 * about - inner
-            padded[i, nz + 2 + m] = padded[i, nz + 1]
-    return padded
-
-
-@inner_jit()
-def transport_component(moved, start, slip, passages, di, shape_factor):
+def transport_component(moved, start, slip, passages, di, shape_factor, closed_end):
     """Both stages of the Runge-Kutta scheme for u (di = 1) or w (di = 0)."""
     second = np.empty_like(start)
     along = di == 1
-    transport(moved, start, with_ghosts(start, slip, along, not along), passages, di, shape_factor)
-    padded = with_ghosts(moved, slip, along, not along)
+    padded = with_ghosts(start, slip, along, not along, closed_end)
+    transport(moved, start, padded, passages, di, shape_factor)
+    padded = with_ghosts(moved, slip, along, not along, closed_end)
     transport(second, start, padded, passages, di, shape_factor)
     average(moved, second)
 
@@ -261,6 +237,7 @@ def advect_momentum(
     dx,
     dz,
     shape_factor,
+    closed_end=False,
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 
@@ -282,6 +259,8 @@ def advect_momentum(
         Local density over density_bulk, at the start of the step; 1 in an incompressible mass.
     shape_factor : float
         beta of `transverse_profile`: the advection is beta (u . grad) u; 1 without that effect.
+    closed_end : bool
+        Whether a wall closes the far end.
     """
     nx, nz = u.shape[0] - 1, u.shape[1]
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
@@ -311,6 +290,6 @@ def advect_momentum(
         wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
         end_u[k] = 0.5 * wetted * aperture[nx, k] * carrier_u[nx, k] * dt / dx * packing[nx - 1, k]
     passages = list_passages(along_u, across_u, end_u, mass_u, reach, 1, 0)
-    transport_component(u_star, u, bed_slip, passages, 1, shape_factor)
+    transport_component(u_star, u, bed_slip, passages, 1, shape_factor, closed_end)
     passages = list_passages(along_w, across_w, across_w[nx], mass_w, reach, 0, 1)
-    transport_component(w_star, w, bed_slip, passages, 0, shape_factor)
+    transport_component(w_star, w, bed_slip, passages, 0, shape_factor, closed_end)
