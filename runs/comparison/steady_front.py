@@ -22,12 +22,12 @@ MU_1, MU_2, I_0, FRACTION, BETA = 0.35, 0.56, 0.4, 0.6, 0.136
 COSINE = math.cos(math.radians(SLOPE))
 LENGTH = 5.0 * BETA / (2.0 * I_0 * math.sqrt(FRACTION * COSINE))  # diameters, of thin_layer
 FRONT = 2.0 * BEAD  # thickness at the front, m
-TIMES = (2.0, 3.0, 4.0)  # s
+TIMES = (1.5, 2.25, 3.0)  # s
 AT = (2.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0)  # layers behind the front
 SET_UP = {
     "geometry.slope_angle_deg": SLOPE,
     "geometry.height_0": LAYER,
-    "geometry.length_0": 1.4,
+    "geometry.length_0": 1.0,
     "geometry.channel_width": math.inf,
     "gate.speed": math.inf,
     "boundary.mu_bed": math.inf,
@@ -44,7 +44,7 @@ SET_UP = {
     "time.field_interval": TIMES[-1],
 }
 EFFECTS = {"without": None, "thin_layer": {"length": LENGTH}}
-CELLS = (10,)  # over the layer
+CELLS = (8,)  # over the layer
 
 
 def steady_front(options):

@@ -15,6 +15,7 @@ END = {
 }  # s; beyond 1.76 s at 22 deg, where the paper looks
 FRICTION = {  # mu_1, mu_2
     "0.38, 0.64": (0.38, 0.64),  # inclined planes
+    "0.40, 0.66": (0.40, 0.66),
     "0.44, 0.69": (0.44, 0.69),
     "0.48, 0.73": (0.48, 0.73),  # Table I
 }
@@ -24,7 +25,8 @@ LENGTHS = (
     2.31,
     4.0,
 )  # diameters: off, chutes of beads, chutes of the particles, end of the prior
-SINK, THIN = {"mu_wall": 0.18}, {"length": 1.65}
+FEWER = "0.40, 0.66"  # with it, only those of ADDED that came nearest
+SINK = {"mu_wall": 0.18}
 DENSE = {  # middle of the literature; dense beads of the paper
     "dilatancy_factor": 4.0,
     "solid_fraction_critical": 0.60,
@@ -49,6 +51,10 @@ ADDED = {  # words: changes of the set "no slip, L = 1.65 d, sink"
         "effects.dilatancy": DENSE,
         "effects.friction_hysteresis": SETTLED,
     },
+    "dilatancy from 0.62, sink of 0.25": {
+        "effects.dilatancy": DENSE,
+        "effects.lateral_friction": {"mu_wall": 0.25},
+    },
     "half the sink": {"effects.lateral_friction": {"mu_wall": 0.09}},
     "sink of 0.25": {"effects.lateral_friction": {"mu_wall": 0.25}},
     "sink of 0.30": {"effects.lateral_friction": {"mu_wall": 0.30}},
@@ -58,6 +64,7 @@ WITHOUT_THIN_LAYER = (  # of ADDED, also run without thin_layer
     "sink of 0.25",
     "sink of 0.30",
 )
+NEAREST = ("dilatancy from 0.62", "sink of 0.25", "dilatancy from 0.62, sink of 0.25")
 
 
 def bed(friction, slips, length):
@@ -75,22 +82,38 @@ def fact_sets():
     """{name: settings} of the sets that are held against the printed facts."""
     sets = {}
     for friction in FRICTION:
-        for slips in (True, False):
-            for length in LENGTHS:
-                thin = "" if length is None else f"; L = {length:g} d"
-                grains = bed(friction, slips, length)
-                name = f"{friction}; {'slip' if slips else 'no slip'}{thin}"
-                sets[f"{name}; sink"] = grains | {"effects.lateral_friction": SINK}
-                if length in (None, 1.65):
-                    sets[f"{name}; no sink"] = grains
-        for words, changes in ADDED.items():
-            lengths = (1.65, None) if words in WITHOUT_THIN_LAYER else (1.65,)
-            for length in lengths:
-                thin = "" if length is None else f"; L = {length:g} d"
-                name = f"{friction}; no slip{thin}; {words}"
-                grains = bed(friction, False, length)
-                sets[name] = grains | {"effects.lateral_friction": SINK} | changes
+        if friction != FEWER:
+            sets |= beds_and_walls(friction)
+        sets |= additions(friction, NEAREST if friction == FEWER else ADDED)
     return sets
+
+
+def beds_and_walls(friction):
+    """Sets of one friction: both beds, all lengths, with and without walls."""
+    sets = {}
+    for slips in (True, False):
+        for length in LENGTHS:
+            grains = bed(friction, slips, length)
+            name = f"{friction}; {'slip' if slips else 'no slip'}{thin(length)}"
+            sets[f"{name}; sink"] = grains | {"effects.lateral_friction": SINK}
+            if length in (None, 1.65):
+                sets[f"{name}; no sink"] = grains
+    return sets
+
+
+def additions(friction, wanted):
+    """Sets of one friction on a bed without slip, with those of ADDED that are wanted."""
+    sets = {}
+    for words in wanted:
+        for length in (1.65, None) if words in WITHOUT_THIN_LAYER else (1.65,):
+            grains = bed(friction, False, length) | {"effects.lateral_friction": SINK}
+            sets[f"{friction}; no slip{thin(length)}; {words}"] = grains | ADDED[words]
+    return sets
+
+
+def thin(length):
+    """The words of a length of `thin_layer`; none where it is off."""
+    return "" if length is None else f"; L = {length:g} d"
 
 
 def collapse(slope, width, cell_size):

@@ -4,7 +4,7 @@
 
     facts   sets of friction, bed, thin layers, dilatancy, gate and walls at 0, 10, 22 deg: facts.csv, facts_sets.csv
     beds    the bed with Coulomb friction, without slip, and rough with thin_layer, at 0, 10, 16, 22 deg: beds.csv
-    grid    22 deg on a rough bed on finer grids, with and without thin_layer: grid.csv
+    grid    22 deg on a rough bed on finer grids and in shorter steps, with and without thin_layer: grid.csv
 
 A case that is already in its table is not run again; delete the table to remake it. Runs are kept below --out: an
 interrupted part continues with the same command.
@@ -24,7 +24,8 @@ from runs.table import read_table, write_table
 
 SLOPES = (0.0, 10.0, 22.0)  # deg, of the printed facts
 BED_SLOPES = (0.0, 10.0, 16.0, 22.0)
-GRIDS = (0.01, 0.008, 0.006, 0.004, 0.003)  # m
+GRIDS = (0.01, 0.008, 0.006, 0.004, 0.003, 0.002)  # m
+STEPS = (1.2e-3, 6e-4)  # s, on cells of 6 mm; the default is 2.4 ms
 AT_22 = 1.76  # s, the last time that the paper shows at 22 deg
 RUNOUT_0, SLACK = 0.475, 0.025  # m from the back wall, measured at 0 deg; saltation and reading
 HEIGHT_0, HEIGHT_SLACK = 0.14, 0.005  # m
@@ -96,7 +97,7 @@ def beds(options):
 
 
 def grid(options):
-    """Run 22 deg, w = 10 cm, 0.38, 0.64, no slip on finer and finer grids."""
+    """Run 22 deg, w = 10 cm, 0.38, 0.64, no slip on finer and finer grids, and with shorter time steps."""
     cases = {
         f"{words}; {1e3 * size:g} mm": collapse(22.0, WIDTH, size)
         | bed("0.38, 0.64", slips, length)
@@ -107,6 +108,13 @@ def grid(options):
             ("no slip", False, None),
         )
     }
+    for step in STEPS:
+        words = f"no slip; L = 1.65 d; {1e3 * options.cell_size:g} mm; {1e3 * step:g} ms"
+        cases[words] = (
+            collapse(22.0, WIDTH, options.cell_size)
+            | bed("0.38, 0.64", False, 1.65)
+            | {"effects.lateral_friction": SINK, "time.step_max": step}
+        )
     return run_table(options.tables / "grid.csv", cases, options)
 
 
@@ -155,6 +163,7 @@ def measured(result, cpu_s):
         "gain_1mm_after_1.76s": float(summary["runout_1mm"] - late),
         "peak_front_velocity": float(result.series["front_velocity"].max()),
         "largest_relative_volume": float(np.max(result.series["relative_volume"])),
+        "steps": summary["steps"],
         "capped_steps": summary["capped_steps"],
         "cpu_s": round(cpu_s, 1),
     }
