@@ -17,15 +17,19 @@ def test_every_set_is_a_case_that_the_solver_takes():
 
 def row(runout, height=0.14, flowing=0.0):
     """A row of the table of runs whose front stands at the same place at every thickness."""
-    return dict.fromkeys(study.FRONTS, str(runout)) | {"height": height, "flowing_1.76s": flowing}
+    return dict.fromkeys(study.FRONTS, str(runout)) | {
+        "height": height,
+        "flowing_1.76s": flowing,
+        "gain_1mm_after_1.76s": 0.2 * flowing,
+    }
 
 
 @pytest.mark.parametrize(
     ("flat", "middle", "steep", "met"),
     [
-        (row(0.475), row(0.69), row(1.59), "runout0 height0 10 22 rest22"),
-        (row(0.449), row(0.71), row(1.61), "height0 rest22"),
-        (row(0.501, height=0.134), row(0.69), row(1.59, flowing=0.03), "10 22"),
+        (row(0.475), row(0.69), row(1.59), "runout0 height0 10 22 still22 rest22"),
+        (row(0.449), row(0.71), row(1.61), "height0 still22 rest22"),
+        (row(0.501, height=0.134), row(0.69), row(1.59, flowing=0.05), "10 22"),
     ],
 )
 def test_facts_that_are_met(flat, middle, steep, met):

@@ -65,6 +65,12 @@ WITHOUT_THIN_LAYER = (  # of ADDED, also run without thin_layer
     "sink of 0.30",
 )
 NEAREST = ("dilatancy from 0.62", "sink of 0.25", "dilatancy from 0.62, sink of 0.25")
+NEAREST_SETS = (
+    "0.38, 0.64; no slip; L = 1.65 d; dilatancy from 0.62, sink of 0.25",
+    "0.40, 0.66; no slip; L = 1.65 d; dilatancy from 0.62",
+    "0.44, 0.69; no slip; L = 1.65 d; dilatancy from 0.62",
+    "0.48, 0.73; slip; L = 1.65 d; sink",
+)
 
 
 def bed(friction, slips, length):

@@ -7,13 +7,13 @@ import numpy as np
 from fvcollapse import observe
 from fvcollapse.measure.align import align
 
-LAST = 5  # readings of the front, whose mean is the front at rest: it is jagged
+LAST = 5  # readings of front and volume, whose mean is the value at rest: the front is jagged
 REAR = 0.10  # m; "near the back wall"
 BEFORE_MIDDLE = (0.5, 0.8)  # of the way to the front; "in front of the middle"
 
 
 class Readings(NamedTuple):
-    """Front (n,) at `time` (n,), the final profile `x`, `thickness` (m,), and the largest relative volume change.
+    """Front (n,) at `time` (n,), the final profile `x`, `thickness` (m,), and the relative volume change (k,).
 
     SI units.
     """
@@ -22,7 +22,7 @@ class Readings(NamedTuple):
     front: np.ndarray
     x: np.ndarray
     thickness: np.ndarray
-    volume: float
+    volume: np.ndarray
 
     @property
     def front_at_rest(self):
@@ -43,8 +43,8 @@ def of_grains(experiment):
     """`Readings` of an experiment."""
     front, profiles = experiment.curves["front"], experiment.curves["profiles"]
     final = profiles.time == profiles.time[-1]
-    largest = float(experiment.curves["volume"].value.max())
-    return Readings(front.time, front.value, profiles.x[final], profiles.value[final], largest)
+    volume = experiment.curves["volume"].value
+    return Readings(front.time, front.value, profiles.x[final], profiles.value[final], volume)
 
 
 def of_model(result, experiment):
@@ -52,7 +52,5 @@ def of_model(result, experiment):
     pairs = {pair.name: pair for pair in align(observe(result, experiment), experiment)}
     front, profiles = pairs["front"], pairs["profiles"]
     final = profiles.time == profiles.time[-1]
-    largest = float(pairs["volume"].simulated.max())
-    return Readings(
-        front.time, front.simulated, profiles.x[final], profiles.simulated[final], largest
-    )
+    x, thickness = profiles.x[final], profiles.simulated[final]
+    return Readings(front.time, front.simulated, x, thickness, pairs["volume"].simulated)

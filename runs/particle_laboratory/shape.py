@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from fvcollapse import load_case, load_experiment
-from runs.particle_laboratory.readings import BEFORE_MIDDLE, REAR, of_grains, of_model
+from runs.particle_laboratory.readings import BEFORE_MIDDLE, LAST, REAR, of_grains, of_model
 from runs.study import run_cached
 from runs.table import write_table
 
@@ -82,7 +82,7 @@ def shape(arguments, baseline):
 
 
 def compared(model, grains):
-    """Model less grains in mm; largest relative volume change of both in %."""
+    """Model less grains in mm; largest and last relative volume change of both in %."""
     gap = 1e3 * (model.thickness - grains.thickness)
     way = grains.x / grains.front_at_rest
     low, high = BEFORE_MIDDLE
@@ -91,7 +91,9 @@ def compared(model, grains):
         "thickness_rms": np.sqrt(np.mean(gap**2)),
         "at_back_wall": gap[grains.x <= 0.5 * REAR].mean(),
         "before_middle": gap[(way >= low) & (way <= high)].mean(),
-        "volume_model": 100.0 * model.volume,
-        "volume_grains": 100.0 * grains.volume,
+        "volume_model": 100.0 * model.volume.max(),
+        "volume_grains": 100.0 * grains.volume.max(),
+        "volume_model_end": 100.0 * model.volume[-LAST:].mean(),
+        "volume_grains_end": 100.0 * grains.volume[-LAST:].mean(),
     }
     return {name: round(float(value), 1) for name, value in found.items()}
