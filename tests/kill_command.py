@@ -7,6 +7,7 @@ import os
 import sys
 
 from fvcollapse.__main__ import main
+from fvcollapse.output import keeper
 from fvcollapse.output import run as output
 from fvcollapse.output.trust import COMPLETE
 from fvcollapse.studies.cache import cache_key
@@ -38,7 +39,7 @@ def noted_start(log, case, stored):
     log_start(log, case, stored)
 
 
-output.Keeper, output.log_start, output.SAVING_SHARE = OftenKept, noted_start, 1.0
+output.Keeper, output.log_start, keeper.SAVING_SHARE = OftenKept, noted_start, 1.0
 
 
 def shorten_diagnosis():

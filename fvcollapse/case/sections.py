@@ -192,6 +192,9 @@ class Time(Section):
         ]
         | None
     ) = None
+    stop_at_rest: Annotated[
+        bool, key("-", "end before, once nothing has been faster than 1 mm/s for 0.1 s")
+    ] = False
     cfl: Annotated[float, key("-", "largest Courant number", ge=0.001, le=1)] = 0.5
 
 

@@ -58,6 +58,12 @@ def gaps_of(group, model):
     return beyond_bounds(group.points, shown - group.points.measured)
 
 
+def remaining(group, own, model):
+    """Root mean square of the gap that is left on some points, noise included, in standard deviations."""
+    deviation = np.sqrt(np.diag(group.covariance))[own]
+    return float(np.sqrt(np.mean((gaps_of(group, model)[own] / deviation) ** 2)))
+
+
 def size(gap, deviation):
     """Root mean square of a gap beyond the noise, in the units of both."""
     return float(np.sqrt(max(0.0, np.mean(gap**2) - np.mean(deviation**2))))

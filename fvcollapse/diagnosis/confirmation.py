@@ -7,7 +7,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
 from fvcollapse.diagnosis.closing import closing, gaps_of
-from fvcollapse.diagnosis.ladder import fold_fractions
+from fvcollapse.diagnosis.ladder import fold_fractions, fold_remainders
 from fvcollapse.diagnosis.names import EFFECT, NAMED, RECALIBRATED, RUNNER_UP, WINNER
 
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
@@ -19,17 +19,29 @@ CONFIRMED, CONSISTENT, NOT_CONFIRMED = "confirmed", "consistent with", "not conf
 
 
 class FoldTest(NamedTuple):
-    """Fractions closed in one experiment that took no part; `rival` None: the rival was not run."""
+    """What winner and rival reach in one experiment that took no part; None: the rival was not run.
+
+    Attributes
+    ----------
+    experiment : str
+    held_out : bool
+    winner, rival : float
+        Fraction closed.
+    winner_left, rival_left : float
+        Root mean square of the gap that is left, noise included, in standard deviations.
+    """
 
     experiment: str
     held_out: bool
     winner: float
     rival: float | None
+    winner_left: float
+    rival_left: float | None
 
     @property
     def is_won(self):
-        """Whether the winner closes more than its rival."""
-        return self.rival is None or self.winner > self.rival
+        """Whether the winner leaves less than its rival, also where both close all that is beyond the noise."""
+        return self.rival_left is None or self.winner_left < self.rival_left
 
 
 class ConfirmationTests(NamedTuple):
@@ -88,9 +100,16 @@ def confirm(analysis, verdict, ladder):
     if verdict.kind not in NAMED or WINNER not in ladder.fitted.simulated:
         return None
     rival = RUNNER_UP if RUNNER_UP in ladder.fitted.simulated else RECALIBRATED
+    left = fold_remainders(ladder)
     folds = tuple(
-        FoldTest(name, held_out, fractions[WINNER], fractions.get(rival))
-        for (name, held_out), fractions in fold_fractions(ladder).items()
+        FoldTest(
+            *fold,
+            fractions[WINNER],
+            fractions.get(rival),
+            left[fold][WINNER],
+            left[fold].get(rival),
+        )
+        for fold, fractions in fold_fractions(ladder).items()
         if WINNER in fractions
     )
     hypothesis = analysis.evidence.hypotheses[ladder.names[WINNER]]

@@ -12,7 +12,7 @@ import numpy as np
 
 from fvcollapse.diagnosis.analysis import ORDER
 from fvcollapse.diagnosis.baseline import REFINEMENT
-from fvcollapse.diagnosis.closing import Group, one_fraction, with_simulated
+from fvcollapse.diagnosis.closing import Group, one_fraction, remaining, with_simulated
 from fvcollapse.diagnosis.covariance import measurement_covariance, numerical_covariance
 from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.progress import MODELS
@@ -206,19 +206,29 @@ def held_out_group(question, seen, failures, fits):
 
 def fold_fractions(ladder):
     """{(experiment, held out): {model: fraction closed}} of all experiments that took no part."""
-    fractions = {}
+    return by_fold(ladder, one_fraction)
+
+
+def fold_remainders(ladder):
+    """{(experiment, held out): {model: gap that is left}} of all experiments that took no part; see `remaining`."""
+    return by_fold(ladder, remaining)
+
+
+def by_fold(ladder, measure):
+    """{(experiment, held out): {model: measure(group, rows, model)}} of all experiments that took no part."""
+    measured = {}
     for name, values in ladder.left_out.items():
         rows = ladder.fitted.points.of(name)
-        fractions[name, False] = {}
+        measured[name, False] = {}
         for model, left_out in values.items():
             simulated = {model: ladder.fitted.simulated[BASELINE].copy()}
             simulated[model][rows] = left_out
             group = with_simulated(ladder.fitted, simulated)
-            fractions[name, False][model] = one_fraction(group, rows, model)
+            measured[name, False][model] = measure(group, rows, model)
     if ladder.held_out is not None:
         group = ladder.held_out
         for name in group.points.names:
             rows = group.points.of(name)
             models = [model for model in group.simulated if model != BASELINE]
-            fractions[name, True] = {model: one_fraction(group, rows, model) for model in models}
-    return fractions
+            measured[name, True] = {model: measure(group, rows, model) for model in models}
+    return measured

@@ -13,6 +13,7 @@ from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.output.field_layout import read_field
 from fvcollapse.output.record_layout import check_header, read_record
+from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
@@ -50,6 +51,8 @@ class Result:
     case : Case
     complete : bool
         False while the run goes on, or after it was interrupted or failed.
+    ended_at_rest : bool
+        True if it is complete before the end of its case, since the pile rests (`time.stop_at_rest`).
     status : str
         "complete", "running", "interrupted", "stopped: why" (a stated limit) or "failed: why".
     trust : Trust
@@ -83,6 +86,12 @@ class Result:
             return self.series[name]
         raise AttributeError(f"a result has no {name}")
 
+    @property
+    def ended_at_rest(self):
+        """See the attributes."""
+        early = self.series["time"][-1] < self.case.time.end - SAME_TIME
+        return self.complete and self.case.time.stop_at_rest and bool(early)
+
     def field(self, index):
         """Fields of one stored time (−1: the last): dict of arrays, and floats time, dx, dz."""
         index = range(len(self.field_times))[index]
@@ -95,6 +104,7 @@ class Result:
         peak, peak_time = peak_front_velocity(series["time"], series["front_velocity"])
         return {
             "complete": self.complete,
+            "ended_at_rest": self.ended_at_rest,
             "status": self.status,
             "trust": self.trust.verdict,
             "trust_reasons": "; ".join(self.trust.reasons),
@@ -187,6 +197,13 @@ def runout_words(s):
     return f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end"
 
 
+def end_words(s, case):
+    """How the simulated time is related to the end of the case; empty where it is that."""
+    if s["ended_at_rest"]:
+        return f" of {case.time.end:g} s (ended at rest)"
+    return "" if s["complete"] else f" of {case.time.end:g} s (incomplete)"
+
+
 def summary_rows(summary, case):
     """Name and value, as text, of each line of the summary table."""
     s = summary
@@ -196,11 +213,7 @@ def summary_rows(summary, case):
         else (f"not at rest ({s['final_max_speed']:.3g} m/s)")
     )
     return [
-        (
-            "simulated time",
-            f"{s['time']:.4g} s"
-            + ("" if s["complete"] else f" of {case.time.end:g} s (incomplete)"),
-        ),
+        ("simulated time", f"{s['time']:.4g} s{end_words(s, case)}"),
         ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
         (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),

@@ -6,7 +6,6 @@ interrupted or fails, and at the end.
 """
 
 import io
-import time
 from functools import partial
 from pathlib import Path
 
@@ -14,24 +13,21 @@ from threadpoolctl import threadpool_limits
 
 from fvcollapse.case.case import case_from_text
 from fvcollapse.console.bars import progress_bar
-from fvcollapse.console.interruption import Interrupted, deferred_interrupt
+from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import (
     InputError,
-    OutputError,
-    as_output_error,
     failures_named,
 )
-from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.hdf5 import build_image
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
 from fvcollapse.output.compilation import tell_compilation
+from fvcollapse.output.keeper import Keeper
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
+from fvcollapse.output.rest import reached_end, stops
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
 from fvcollapse.output.run_folder import (
     CHECKPOINT,
-    RESULT,
-    XDMF,
     finished_result,
     holds_run,
     ready,
@@ -41,9 +37,8 @@ from fvcollapse.output.run_folder import (
     usable_checkpoint,
 )
 from fvcollapse.output.run_log import log_start, run_log, tell_once
-from fvcollapse.output.stepping import Pace, ending, steps_towards, trust_of_record
-from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
-from fvcollapse.output.xdmf import xdmf_text
+from fvcollapse.output.stepping import Pace, steps_towards, trust_of_record
+from fvcollapse.output.trust import COMPLETE, RUNNING
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.compiled import not_kept
 
@@ -52,8 +47,6 @@ UNCACHED = (
     "set NUMBA_CACHE_DIR to a folder that may be written"
 )
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
-SAVING_SHARE = 0.05  # largest share of the wall time that is spent on saving
-CAPPED_LOGGED = 20  # capped steps that are logged one by one
 
 
 def run(case, folder=None):
@@ -172,13 +165,15 @@ class Job:
             self.recorder.add_start(self.simulation, self.landings[0])
         else:
             self.simulation, self.recorder = simulate(case, stored.state.copy()), stored.recorder
-            self.recorder.drop_end(self.landings, case_from_text(stored.case_text).time.end)
+            before = reached_end(case_from_text(stored.case_text), self.recorder.series)
+            if not self.stops_here():
+                self.recorder.drop_end(self.landings, before)
             self.simulation.watch_energy(self.recorder.series)
         self.state = self.simulation.state.copy()  # the last good state
         self.pace = Pace()
 
     def march(self, bar, after_steps=lambda records: None):
-        """Step from the present time to the end of the case, landing on every scheduled time."""
+        """Step from the present time to the end of the case, landing on every scheduled time; see `rest`."""
         with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
             for landing in self.landings:
                 while self.state.time < landing.time - SAME_TIME:
@@ -188,6 +183,15 @@ class Job:
                     )
                     bar.update(self.state.time - bar.n)
                     after_steps(records)
+                if self.stops_here():
+                    return
+
+    def stops_here(self):
+        """Whether the record ends at a landing at which the run stops before its end, since the pile rests."""
+        series = self.recorder.series
+        if not stops(self.case, series):
+            return False
+        return any(abs(landing.time - series["time"][-1]) < SAME_TIME for landing in self.landings)
 
     def steps(self, landing):
         """Some steps towards a landing, recorded; return their `StepRecord`s.
@@ -197,7 +201,9 @@ class Job:
         NumericalError
             A step has failed; the good ones before it are recorded.
         """
-        marched = steps_towards(self.simulation, self.recorder, landing, self.pace)
+        marched = steps_towards(
+            self.simulation, self.recorder, landing, self.pace, self.landings[-1]
+        )
         self.state = marched.state.copy()
         if marched.problem is not None:
             raise marched.problem
@@ -220,90 +226,3 @@ class Job:
             self.recorder.write(file)
 
         return build_image(fill)
-
-
-class Keeper:
-    """Advances a job and saves its files at intervals, when it is stopped, and at the end.
-
-    Attributes
-    ----------
-    keep : function or None
-        Gets the finished job, of which no result is wanted; see `run_without_result`.
-    """
-
-    def __init__(self, job, folder, log, interval):
-        self.job, self.folder, self.log, self.interval = job, folder, log, interval
-        self.saved_at, self.cost, self.capped, self.running = time.monotonic(), 0.0, 0, False
-        self.keep = None
-
-    def march(self, bar, interrupted):
-        """Run the job to its end; the last good state is saved, whatever ends the run."""
-
-        def after_steps(records):
-            for record in records:
-                self.note(record)
-            if number := interrupted():
-                raise Interrupted(number)
-            if time.monotonic() - self.saved_at > max(self.interval, self.cost / SAVING_SHARE):
-                self.save(RUNNING)
-
-        self.running = True
-        try:
-            self.job.march(bar, after_steps)
-        except OutputError:  # the log says so already
-            raise
-        except KeyboardInterrupt:
-            self.log.error("stopped: interrupted")
-            if self.job.consistent():
-                self.save(INTERRUPTED)
-            raise
-        except Exception as error:
-            failure, status = ending(error, self.job.state.time)
-            self.log.error("stopped: %s", failure, exc_info=None if failure is error else error)
-            self.save(status)
-            raise failure from (None if failure is error else error)
-        self.save(COMPLETE)
-
-    def note(self, record):
-        """Log a capped step."""
-        if not record.capped:
-            return
-        self.capped += 1
-        if self.capped <= CAPPED_LOGGED:
-            self.log.warning(
-                "capped step at t = %.6f s: residual %.2e after %d sweeps",
-                record.time,
-                record.residual,
-                record.sweeps,
-            )
-        if self.capped == CAPPED_LOGGED:
-            self.log.warning("further capped steps are only counted")
-
-    def save(self, status):
-        """Checkpoint, result and XDMF file, in this order, each replaced atomically; see `keep`."""
-        start, job = time.monotonic(), self.job
-        try:
-            if self.keep is not None and status == COMPLETE:
-                self.keep(job)
-                return
-            write_atomic(self.folder / CHECKPOINT, job.checkpoint_image(), self.running)
-            if self.keep is None or status not in (RUNNING, INTERRUPTED):
-                self.save_result(status)
-        except (OutputError, MemoryError) as problem:
-            error = as_output_error(problem, self.folder, self.running)
-            self.log.error("%s", error)
-            raise error from None
-        self.saved_at = time.monotonic()
-        self.cost = self.saved_at - start
-        self.log.info(
-            "checkpoint at t = %.6f s, step %d, %d capped",
-            job.state.time,
-            job.state.step,
-            self.capped,
-        )
-
-    def save_result(self, status):
-        """Result and XDMF file."""
-        job = self.job
-        write_atomic(self.folder / RESULT, job.result_image(status), self.running)
-        write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)

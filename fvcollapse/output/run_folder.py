@@ -16,7 +16,14 @@ from fvcollapse.output.run_log import tell
 from fvcollapse.output.xdmf import xdmf_text
 
 RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
-OUTPUT_KEYS = ("time.end", "time.output_interval", "time.field_interval", "time.output_times")
+# what may change when a run is continued: where it ends, and its outputs
+OUTPUT_KEYS = (
+    "time.end",
+    "time.stop_at_rest",
+    "time.output_interval",
+    "time.field_interval",
+    "time.output_times",
+)
 FORMATS = {RESULT: result.FORMAT, CHECKPOINT: checkpoint.FORMAT}
 
 
@@ -72,6 +79,13 @@ def refuse_existing(folder):
                 "a result that is already there",
                 "another folder, --resume, or --force",
             )
+
+
+def serves(finished, case):
+    """Whether a finished result goes to the end of a case that differs in end and outputs only."""
+    if finished.ended_at_rest:
+        return case.time.stop_at_rest or case.time.end <= finished.time[-1] + SAME_TIME
+    return case.time.end <= finished.case.time.end + SAME_TIME
 
 
 def refuse_other_case(case, stored, path):
@@ -158,6 +172,6 @@ def finished_result(case, folder, stored, log):
         raise InputError(folder / RESULT, "file", found, "another folder, or --force")
     if previous is not None:
         refuse_other_case(case, previous.case, folder / RESULT)
-        if previous.complete and case.time.end <= previous.case.time.end + SAME_TIME:
+        if previous.complete and serves(previous, case):
             return previous
     return None

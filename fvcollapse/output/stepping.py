@@ -6,6 +6,7 @@ from math import inf
 from fvcollapse.case.limits import STEPS_MAX
 from fvcollapse.errors import LimitReached, named_failure
 from fvcollapse.output.recorder import SAME_TIME
+from fvcollapse.output.rest import stops
 from fvcollapse.output.trust import FAILED, STOPPED, trust_of
 from fvcollapse.step.guards import refuse_step
 
@@ -25,7 +26,7 @@ class Pace:
             self.steps = int(min(max(CALL * steps / max(seconds, 1e-9), 1), MOST, 4 * self.steps))
 
 
-def steps_towards(simulation, recorder, landing, pace):
+def steps_towards(simulation, recorder, landing, pace, last):
     """Take some steps towards a landing and record them; a step that fails leaves no trace in the record.
 
     Parameters
@@ -35,6 +36,8 @@ def steps_towards(simulation, recorder, landing, pace):
     recorder : Recorder
     landing : Landing
     pace : Pace
+    last : Landing
+        At the end of the run. What is due there is due where the run stops before; see `rest`.
 
     Returns
     -------
@@ -48,8 +51,9 @@ def steps_towards(simulation, recorder, landing, pace):
     pace.note(len(marched.records), seconds)
     recorder.add_steps(marched, seconds)
     if marched.problem is None and simulation.state.time >= landing.time - SAME_TIME:
+        stopping = stops(simulation.case, recorder.series)
         try:
-            recorder.add_landing(simulation, landing)
+            recorder.add_landing(simulation, last if stopping else landing)
         except BaseException:
             rewind(recorder, mark)
             raise

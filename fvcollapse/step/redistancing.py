@@ -13,9 +13,9 @@ from .compiled import inner_jit, kernel_jit
 from .level_set import BAND, close_bed, continue_beyond, padded
 from .stencils import minmod
 
-# Cells travelled by the fastest point; half the band, so that it never runs out of it. Each restoration moves the surface
-# a little, so their number must not depend on the time step: with one at every tenth step, the runout of the same
-# collapse on the same cells was 1.5 % longer with steps of 4 ms than of 0.3 ms.
+# Cells travelled by the fastest point; half the band, so that it never runs out of it. Each restoration moves the
+# surface a little, so their number must not depend on the time step: with one at every tenth step, the runout of the
+# same collapse on the same cells was 1.5 % longer with steps of 4 ms than of 0.3 ms.
 RESTORE_AFTER = 2.5
 SWEEPS = 12  # of the restoration: enough for the distance to cross the band
 

@@ -49,6 +49,7 @@ def cached_case(case):
             "time.output_interval": PROFILE_INTERVAL,
             "time.field_interval": max(case.time.end, PROFILE_INTERVAL),
             "time.output_times": [],
+            "time.stop_at_rest": False,  # comparisons go on to the last moment that was measured
         }
     )
 

@@ -10,7 +10,8 @@ from toy_laboratory import ToyRunner, collapse, film
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse
 from fvcollapse.diagnosis.closing import Group, closing, fraction_closed, size
-from fvcollapse.diagnosis.ladder import climb, fold_fractions
+from fvcollapse.diagnosis.confirmation import FoldTest
+from fvcollapse.diagnosis.ladder import climb, fold_fractions, fold_remainders
 from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.errors import NumericalError
@@ -96,6 +97,18 @@ def test_held_out_experiments_are_the_folds(ladder):
     folds = fold_fractions(ladder)
     assert set(folds) == {("s13_w0.1", True), ("s16_w0.2", True)}
     assert all(own[WINNER] > own[RUNNER_UP] for own in folds.values())
+
+
+def test_the_smaller_gap_wins_where_nothing_is_left_beyond_the_noise(ladder):
+    tie = FoldTest("deposit", True, 1.0, 1.0, 0.6, 0.8)
+    assert tie.is_won
+    assert not tie._replace(winner_left=0.8).is_won
+    assert not tie._replace(winner_left=0.9).is_won
+    assert tie._replace(rival=None, rival_left=None).is_won
+    left = fold_remainders(ladder)
+    for fold, closed in fold_fractions(ladder).items():  # elsewhere both have the same order
+        order = sorted(left[fold], key=left[fold].get)
+        assert [closed[model] for model in order] == sorted(closed.values(), reverse=True)
 
 
 def test_without_held_out_experiments_each_is_left_out(analysis):

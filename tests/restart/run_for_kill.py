@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 from fvcollapse.case.case import load_case
+from fvcollapse.output import keeper
 from fvcollapse.output import run as output
 
 
@@ -21,7 +22,7 @@ def main(case, folder, kind="real"):
                 return super().advance(time_limit)
 
         output.Simulation = SlowSimulation
-    output.SAVING_SHARE = 1e9  # a checkpoint after every step, whatever it costs
+    keeper.SAVING_SHARE = 1e9  # a checkpoint after every step, whatever it costs
     output.run_case(load_case(case), folder, resume=True, quiet=True, checkpoint_interval=0.0)
 
 

@@ -147,6 +147,8 @@ def confirmation_of(tests):
             winner=fold.winner,
             runner_up=fold.rival,
             held_out=fold.held_out,
+            winner_left=fold.winner_left,
+            runner_up_left=fold.rival_left,
         )
         for fold in tests.folds
     ]

@@ -72,12 +72,17 @@ class Rung(Part):
 
 
 class Fold(Part):
-    """Fractions closed in one experiment that was left out (or held out) of the calibration."""
+    """Fractions closed in one experiment that was left out (or held out) of the calibration, and what is left.
+
+    What is left is the root mean square of the gap, noise included, in standard deviations.
+    """
 
     experiment: str
     winner: float
     runner_up: float | None
     held_out: bool = False
+    winner_left: float | None = None
+    runner_up_left: float | None = None
 
 
 class Confirmation(Part):
