@@ -45,8 +45,8 @@ def at(front):
 def test_the_friction_of_the_walls_that_a_change_needs_is_interpolated():
     pair = Pair("walled", ("free",), 0.1, {})
     seen = {0.0: at(0.60), 0.1: at(0.56), 0.3: at(0.50)}
-    rows = model_rows("22°", pair, None, seen, wanted=-70.0)
+    rows = model_rows("22°", pair, "", seen, wanted=-70.0)
     assert [row["front"] for row in rows] == [-40.0, -100.0, -70.0]
     assert rows[-1]["of"] == "model, needed"
     assert rows[-1]["mu_w_K_w"] == pytest.approx(0.2)
-    assert model_rows("22°", pair, None, seen, wanted=-120.0)[-1]["of"] == "model, at least needed"
+    assert model_rows("22°", pair, "", seen, wanted=-120.0)[-1]["of"] == "model, at least needed"

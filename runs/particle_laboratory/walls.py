@@ -15,7 +15,18 @@ from runs.study import run_cached
 from runs.table import write_table
 
 CELL_SIZE = 0.008  # m
-LENGTHS = (None, 2.31)  # diameters, of thin_layer: off, of the chute
+VARIANTS = {  # the length of a chute; solid fraction in steady shear and at the start
+    "": {},
+    "thin_layer": {"effects.thin_layer": {"length": 2.31}},
+    "dilatancy": {
+        "effects.dilatancy": {
+            "dilatancy_factor": 4.0,
+            "solid_fraction_critical": 0.561,
+            "solid_fraction_slope": 0.121,
+            "solid_fraction_0": 0.575,
+        }
+    },
+}
 EARLY = (0.3, 0.5, 0.7)  # s
 RATIOS = (0.5, 0.75, 1.0, 1.1)  # K_w
 SLIDING = 0.3  # friction of a grain that slides on the wall
@@ -57,11 +68,11 @@ def walls(arguments, baseline):
     experiments = {name: load_experiment(arguments.data / name) for name in names}
     size = arguments.cell_size or CELL_SIZE
     cases = {
-        (words, length, product): experiments[pair.walled]
+        (words, added, product): experiments[pair.walled]
         .case(load_case(baseline))
-        .replace(**settings(length, product, size), **pair.both)
+        .replace(**settings(product, size), **VARIANTS[added], **pair.both)
         for words, pair in PAIRS.items()
-        for length in LENGTHS
+        for added in VARIANTS
         for product in products(pair)
     }
     results = run_cached(cases, arguments)
@@ -72,24 +83,20 @@ def walls(arguments, baseline):
             [of_grains(experiments[name]) for name in pair.free],
         )
         rows.append({"pair": words, "of": "grains", "mobilised": pair.mobilised} | shown)
-        for length in LENGTHS if pair.mobilised else ():
+        for added in VARIANTS if pair.mobilised else ():
             seen = {
-                product: of_model(results[words, length, product], experiments[pair.walled])
+                product: of_model(results[words, added, product], experiments[pair.walled])
                 for product in products(pair)
             }
-            rows += model_rows(words, pair, length, seen, shown["front"])
+            rows += model_rows(words, pair, added, seen, shown["front"])
     write_table(arguments.tables / "walls.csv", rows)
     for row in rows:
         print("  ".join(f"{name} {value}" for name, value in row.items()))
 
 
-def settings(length, product, size):
+def settings(product, size):
     """Changes of the baseline by key."""
-    return {
-        "grid.cell_size": size,
-        "effects.thin_layer": None if length is None else {"length": length},
-        "effects.lateral_friction": {"mu_wall": product},
-    }
+    return {"grid.cell_size": size, "effects.lateral_friction": {"mu_wall": product}}
 
 
 def products(pair):
@@ -97,9 +104,9 @@ def products(pair):
     return (0.0, *(round(ratio * pair.mobilised, 5) for ratio in RATIOS), SLIDING)
 
 
-def model_rows(words, pair, length, seen, wanted):
+def model_rows(words, pair, added, seen, wanted):
     """A row for every mu_w K_w, and one for that with which the front changes as that of the grains (`wanted`)."""
-    label = {"pair": words, "of": "model", "mobilised": pair.mobilised, "thin_layer": length}
+    label = {"pair": words, "of": "model", "mobilised": pair.mobilised, "added": added}
     by_product = {
         product: changes(values, [seen[0.0]]) for product, values in seen.items() if product > 0.0
     }
