@@ -21,7 +21,7 @@ from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
 from .rheology import ETA_FLOOR
-from .shear_planes import pressure_on_plane
+from .shear_planes import pressure_on_plane, sum_of_cells
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
 
@@ -184,6 +184,9 @@ def add_extra_friction(
 ):
     """Add the extra friction to the viscosity of cells and nodes; at nodes the mean of the cells.
 
+    At a node the pressure of its plane acts (`shear_planes`), but that of the cells where grains dilate: their source
+    takes from every cell what friction pays there.
+
     Parameters
     ----------
     response : Response or None
@@ -194,6 +197,7 @@ def add_extra_friction(
     """
     if response is None:
         return
+    dilating = response.dilatancy.factor > 0.0
     filled = geometry.filled
     for i in range(filled.shape[0]):
         for k in range(geometry.reach[i]):
@@ -205,13 +209,15 @@ def add_extra_friction(
                 weight_centre[i, k] = max(weight_centre[i, k] + extra, v * ETA_FLOOR)
     for i in range(1, filled.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
+            if geometry.interior[i, k] and (dilating or geometry.plane[i, k] > 0.0):
                 v = extra = 0.0
                 for a in range(i - 1, i + 1):
                     for b in range(k - 1, k + 1):
                         v += 0.25 * filled[a, b]
                         extra += 0.25 * filled[a, b] * extra_friction[a, b]
                 p = pressure_on_plane(pressure_filled, geometry, i, k)
+                if dilating:
+                    p = 0.25 * sum_of_cells(pressure_filled, i, k)
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )

@@ -19,7 +19,7 @@ from .strain import mean_square, shear_rate_centre, shear_rate_from
 def viscosity_weights(
     weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
 ):
-    """Filled fraction of cells, or wetted part of planes, times effective viscosity at wet cells and interior nodes, zero elsewhere. Pa s.
+    """Effective viscosity times the filled fraction of wet cells and the wetted part of planes; zero elsewhere. Pa s.
 
     The points are packed first, so that the viscosity is one long loop without branches.
     """
