@@ -152,11 +152,11 @@ def test_a_step_that_fails_leaves_no_trace(monkeypatch):
     job = output.Job(case_of())
     landing = Landing(0.05, True, True)
     for _ in range(3):
-        job.step(landing)
+        job.steps(landing)
     before = job.checkpoint_image()
-    monkeypatch.setattr(Recorder, "add_series", lambda *_: (_ for _ in ()).throw(MemoryError()))
+    monkeypatch.setattr(Recorder, "add_rows", lambda *_: (_ for _ in ()).throw(MemoryError()))
     with pytest.raises(MemoryError):
-        job.step(landing)
+        job.steps(landing)
     assert job.consistent()
     assert job.checkpoint_image() == before
 
@@ -168,17 +168,17 @@ def test_want_of_memory_is_a_named_failure_with_the_state_kept(
     def exhausted(*_):
         raise MemoryError
 
-    original = Simulation.advance
+    original = Simulation.march
 
-    def advance(self, limit):
+    def march(self, limit, steps, guarded=True):
         if self.state.step >= 4:
             if stage == "advance":
                 raise MemoryError
-            name = "add_series" if stage == "record" else "add_field"
+            name = "add_rows" if stage == "record" else "add_field"
             monkeypatch.setattr(Recorder, name, exhausted)
-        return original(self, limit)
+        return original(self, limit, min(steps, 4), guarded)
 
-    monkeypatch.setattr(Simulation, "advance", advance)
+    monkeypatch.setattr(Simulation, "march", march)
     case = tmp_path / "case.toml"
     case.write_text("grid.cell_size = 0.035\ntime = {end = 0.02, field_interval = 0.01}\n")
     assert main(["run", str(case), "--out", str(tmp_path / "out"), "--quiet"]) == 1
@@ -224,10 +224,10 @@ def test_the_domain_has_a_limit_without_a_key():
 def test_the_number_of_steps_has_a_limit(monkeypatch):
     monkeypatch.setattr(guards, "STEPS_MAX", 3)
     job, landing = output.Job(case_of()), Landing(0.05, True, True)
-    for _ in range(3):
-        job.step(landing)
+    while job.state.step < 3:
+        job.steps(landing)
     with pytest.raises(LimitReached, match=r"the limit of 3 steps is reached, at t = 0\.0"):
-        job.step(landing)
+        job.steps(landing)
     assert job.state.step == 3
 
 

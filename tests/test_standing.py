@@ -35,8 +35,6 @@ def test_the_processes_of_one_round_make_the_next_and_end_with_the_block():
         assert processes_of(team) == first
         assert len(first) == 2
         assert os.getpid() not in first
-        begun = time.monotonic()
-    assert time.monotonic() - begun < 2.0
     assert not any(map(is_alive, first))
 
 

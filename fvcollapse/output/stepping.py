@@ -3,12 +3,11 @@
 import time
 from math import inf
 
-from fvcollapse.case.limits import STEPS_MAX
 from fvcollapse.errors import LimitReached, named_failure
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.rest import stops
 from fvcollapse.output.trust import FAILED, STOPPED, trust_of
-from fvcollapse.step.guards import refuse_step
+from fvcollapse.step.guards import steps_left
 
 CALL = 0.2  # s of wall time that the steps between two looks at the signals should take
 MOST = 256  # steps between two looks
@@ -44,9 +43,9 @@ def steps_towards(simulation, recorder, landing, pace, last):
     Marched
     """
     state = simulation.state
-    refuse_step(state.step, state.time)
+    left = steps_left(state.step, state.time)
     start, mark = time.perf_counter(), recorded(recorder)
-    marched = simulation.march(landing.time, min(pace.steps, STEPS_MAX - state.step))
+    marched = simulation.march(landing.time, min(pace.steps, left))
     seconds = time.perf_counter() - start
     pace.note(len(marched.records), seconds)
     recorder.add_steps(marched, seconds)

@@ -48,5 +48,5 @@ def constants_of(case):
         split_walls=walls is not None and walls.scheme == "split",
         soft_rate=soft_rate(case),
         material=material(case),
-        balance=balance_at_rest(case, gravity, column, response if response.present else None),
+        balance=balance_at_rest(case, gravity, column, response if response.active else None),
     )

@@ -7,7 +7,7 @@ Dilatancy, friction hysteresis, thin layers and nonlocal fluidity change the coe
 
 They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
 tan(psi); thin layers, whose friction is that of mu_stop at least; nonlocal fluidity, which makes the law with these
-nonlocal. `Response.present` is false without them, and then nothing here is called.
+nonlocal. `Response.active` is false without them, and then nothing here is called.
 """
 
 from typing import NamedTuple
@@ -21,22 +21,15 @@ from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
 from .rheology import ETA_FLOOR
-from .shear_planes import pressure_on_plane
+from .shear_planes import pressure_on_plane, sum_of_cells
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
 
-ANSWERING = (
-    "dilatancy",
-    "friction_hysteresis",
-    "thin_layer",
-    "nonlocal",
-)  # effects that answer the sweeps
-
 
 class Response(NamedTuple):
-    """Laws of the effects; `present` says whether any of them is on."""
+    """Laws of the effects; `active` says whether any of them has a strength."""
 
-    present: bool
+    active: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
     thin: ThinLayer
@@ -66,8 +59,8 @@ def response_of(case):
     """`Response` of a case."""
     dilatancy, hysteresis, thin = dilatancy_law(case), hysteresis_law(case), thin_layer_law(case)
     cooperation = cooperation_law(case, thin)
-    present = any(getattr(case.effects, name) is not None for name in ANSWERING)
-    return Response(present, dilatancy, hysteresis, thin, cooperation)
+    active = max(dilatancy.factor, hysteresis.delta_mu, thin.length, cooperation.length) > 0.0
+    return Response(active, dilatancy, hysteresis, thin, cooperation)
 
 
 def allocate_response(nx, nz):
@@ -184,6 +177,9 @@ def add_extra_friction(
 ):
     """Add the extra friction to the viscosity of cells and nodes; at nodes the mean of the cells.
 
+    At a node the pressure of its plane acts (`shear_planes`), but that of the cells where grains dilate: their source
+    takes from every cell what friction pays there.
+
     Parameters
     ----------
     response : Response or None
@@ -194,6 +190,7 @@ def add_extra_friction(
     """
     if response is None:
         return
+    dilating = response.dilatancy.factor > 0.0
     filled = geometry.filled
     for i in range(filled.shape[0]):
         for k in range(geometry.reach[i]):
@@ -205,13 +202,15 @@ def add_extra_friction(
                 weight_centre[i, k] = max(weight_centre[i, k] + extra, v * ETA_FLOOR)
     for i in range(1, filled.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
+            if geometry.interior[i, k] and (dilating or geometry.plane[i, k] > 0.0):
                 v = extra = 0.0
                 for a in range(i - 1, i + 1):
                     for b in range(k - 1, k + 1):
                         v += 0.25 * filled[a, b]
                         extra += 0.25 * filled[a, b] * extra_friction[a, b]
                 p = pressure_on_plane(pressure_filled, geometry, i, k)
+                if dilating:
+                    p = 0.25 * sum_of_cells(pressure_filled, i, k)
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )

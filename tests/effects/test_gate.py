@@ -101,6 +101,7 @@ def pulled(mu_gate, speed):
         0.01,
         geometry__slope_angle_deg=22.0,
         effects__gate={"speed": speed, "mu_gate": mu_gate},
+        numerics__tolerance=1e-6,  # the reaction is that of the sweep before the last one
     )
     geometry, state, work = simulation.geometry, simulation.state, simulation.work
     (dx, dz), (gx, gz) = simulation.spacing, simulation.gravity
