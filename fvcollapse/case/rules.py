@@ -75,6 +75,8 @@ def rule_domain(case):
     length = case.boundary.domain_length
     if length is not None and length <= column:
         yield "boundary.domain_length", f"{length:g}", f"> {column:g}, the length of the column"
+    if case.boundary.right_end == "wall" and case.boundary.ends == "walls" and length is None:
+        yield "boundary.domain_length", "absent", 'where the wall stands, with right_end = "wall"'
     least = max(column, length or 0.0)
     if case.domain_max < least:
         limit = f">= {least:g}, the length of the domain at the start"

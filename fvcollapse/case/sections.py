@@ -112,8 +112,12 @@ class Boundary(Section):
         ),
     ] = 0.48
     right_end: Annotated[
-        Literal["grow", "open", "error"],
-        key("-", "far end: grows, or material leaves and is booked, or reaching it fails"),
+        Literal["grow", "open", "error", "wall"],
+        key(
+            "-",
+            "far end: grows, or material leaves and is booked, or reaching it fails, or a wall without friction "
+            "at domain_length",
+        ),
     ] = "grow"
     ends: Annotated[
         Literal["walls", "periodic"],

@@ -17,7 +17,7 @@ from .arrays import copy
 from .balance import balance_with
 from .compiled import from_python, inner_jit
 from .coupled import Outcome
-from .domain import place, room_needed
+from .domain import WALL, place, room_needed
 from .energy import book_energy, kinetic_energy
 from .extrapolation import (
     LAYERS,
@@ -101,6 +101,7 @@ def carry_momentum(flow, packing, dt):
         constants.dx,
         constants.dz,
         constants.shape_factor,
+        constants.right_end == WALL,
     )
     return u_star, w_star
 
@@ -112,7 +113,8 @@ def continue_velocity(flow):
     u, w, dx, dz = fields.u, fields.w, constants.dx, constants.dz
     known_u, known_w = np.empty(u.shape, np.int64), np.empty(w.shape, np.int64)
     constrained = flow.work.constrained
-    mark_known(known_u, known_w, geometry, constrained, constants.film_thickness, dz)
+    film, closed_end = constants.film_thickness, constants.right_end == WALL
+    mark_known(known_u, known_w, geometry, constrained, film, dz, closed_end)
     extrapolate(u, known_u, LAYERS)
     extrapolate(w, known_w, LAYERS)
     if constants.layer > 0.0:

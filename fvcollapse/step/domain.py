@@ -19,8 +19,8 @@ from .state import crop, grow
 
 GROWTH = 16
 SPARE = 4  # rows in excess of the margin before they go: a step is limited by the bandwidth of the memory
-RIGHT_ENDS = ("error", "grow", "open")  # of the case; a kernel knows them by their place
-CLOSED, GROWS, OPEN = range(len(RIGHT_ENDS))
+RIGHT_ENDS = ("error", "grow", "open", "wall")  # of the case; a kernel knows them by their place
+UNREACHED, GROWS, OPEN, WALL = range(len(RIGHT_ENDS))
 
 
 class Room(NamedTuple):
@@ -82,7 +82,9 @@ def room_needed(flow):
         for k in range(nz - 4, nz):
             near_top |= filled[i, k] > 0.0
     columns = GROWTH if constants.right_end == GROWS and near_end else 0
-    return Room(columns, MARGIN if near_top else 0, keep, constants.right_end == CLOSED and at_end)
+    return Room(
+        columns, MARGIN if near_top else 0, keep, constants.right_end == UNREACHED and at_end
+    )
 
 
 @inner_jit()

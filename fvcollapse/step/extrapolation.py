@@ -132,7 +132,7 @@ def _is_film(geometry, i):
 
 
 @kernel_jit()
-def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
+def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz, closed_end=False):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it
@@ -141,6 +141,8 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
     spreads backwards) keeps its own velocity too: what gravity and bed make of it. Continued from the
     flow ahead into which it runs, it fed that flow with speed (up to 200 m/s, at the tail of a mass that slides
     away on a slippery bed); out of reach of the continuation it stood still on any slope.
+
+    `closed_end`: whether a wall closes the far end.
     """
     nx, nz = geometry.filled.shape
     thick = nx
@@ -150,7 +152,7 @@ def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz):
         film = i > thick + 1
         left_behind = 1 < i < thick and _is_film(geometry, i)
         for k in range(nz):
-            solid = i == 0 or geometry.aperture[i, k] == 0.0
+            solid = i == 0 or closed_end and i == nx or geometry.aperture[i, k] == 0.0
             least = TRUSTED_FILM if left_behind and k == 0 else TRUSTED_U
             enough = geometry.mass_x[i, k] >= least
             wet = geometry.index_u[i, k] >= 0 and enough

@@ -13,6 +13,10 @@ from .arrays import larger
 from .compiled import inner_jit, kernel_jit
 from .stencils import cubic, derivative_weno5
 
+GAP, FACING = (
+    0.1,
+    0.8,
+)  # cells between grains and a wall that are none; fall of phi per cell of a face towards it
 BAND = 5.0  # half width of the computed band in cells: WENO5 needs three, the restoration one more
 
 
@@ -115,6 +119,20 @@ def close_bed(phi):
     """
     for i in range(phi.shape[0]):
         phi[i, 0] = min(phi[i, 0], phi[i, 1])
+
+
+@inner_jit()
+def close_end(phi, h):
+    """Wet the nodes of a wall at the far end that a face of the grains has reached.
+
+    The velocity normal to the wall vanishes there and never closes the gap before it: left to itself the level set
+    would keep a free face along the wall, below the surface too. `h` is the cell size, m.
+    """
+    last = phi.shape[0] - 1
+    for k in range(phi.shape[1]):
+        here, beside = phi[last, k], phi[last - 1, k]
+        if beside < 0.0 and here < GAP * h and here - beside > FACING * h:
+            phi[last, k] = beside
 
 
 @inner_jit()

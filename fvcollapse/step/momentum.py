@@ -17,7 +17,8 @@ import numpy as np
 from .arrays import average
 from .compiled import inner_jit, kernel_jit
 from .geometry import polygon_moments, wetted_edge
-from .passages import list_passages, transport, with_ghosts
+from .ghost_faces import with_ghosts
+from .passages import list_passages, transport
 
 
 @inner_jit()
@@ -208,12 +209,13 @@ def mass_fluxes(
 
 
 @inner_jit()
-def transport_component(moved, start, slip, passages, di, shape_factor):
+def transport_component(moved, start, slip, passages, di, shape_factor, closed_end):
     """Both stages of the Runge-Kutta scheme for u (di = 1) or w (di = 0)."""
     second = np.empty_like(start)
     along = di == 1
-    transport(moved, start, with_ghosts(start, slip, along, not along), passages, di, shape_factor)
-    padded = with_ghosts(moved, slip, along, not along)
+    padded = with_ghosts(start, slip, along, not along, closed_end)
+    transport(moved, start, padded, passages, di, shape_factor)
+    padded = with_ghosts(moved, slip, along, not along, closed_end)
     transport(second, start, padded, passages, di, shape_factor)
     average(moved, second)
 
@@ -235,6 +237,7 @@ def advect_momentum(
     dx,
     dz,
     shape_factor,
+    closed_end=False,
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 
@@ -256,6 +259,8 @@ def advect_momentum(
         Local density over density_bulk, at the start of the step; 1 in an incompressible mass.
     shape_factor : float
         beta of `transverse_profile`: the advection is beta (u . grad) u; 1 without that effect.
+    closed_end : bool
+        Whether a wall closes the far end.
     """
     nx, nz = u.shape[0] - 1, u.shape[1]
     mass_u, mass_w = np.empty_like(u), np.empty_like(w)
@@ -285,6 +290,6 @@ def advect_momentum(
         wetted += wetted_edge(phi_new[nx, k], phi_new[nx, k + 1])
         end_u[k] = 0.5 * wetted * aperture[nx, k] * carrier_u[nx, k] * dt / dx * packing[nx - 1, k]
     passages = list_passages(along_u, across_u, end_u, mass_u, reach, 1, 0)
-    transport_component(u_star, u, bed_slip, passages, 1, shape_factor)
+    transport_component(u_star, u, bed_slip, passages, 1, shape_factor, closed_end)
     passages = list_passages(along_w, across_w, across_w[nx], mass_w, reach, 0, 1)
-    transport_component(w_star, w, bed_slip, passages, 0, shape_factor)
+    transport_component(w_star, w, bed_slip, passages, 0, shape_factor, closed_end)

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import level_set, redistancing
 from .compiled import inner_jit
-from .domain import OPEN
+from .domain import OPEN, WALL
 from .flow import (
     ENERGY_OUTFLOW,
     TIME,
@@ -43,6 +43,8 @@ def move_surface(flow, dt):
     level_set.advect(phi, u_surface, w_surface, dt, dx, dz)
     speed = np.empty_like(phi)
     fastest = level_set.node_speed(speed, u_node, w_node)
+    if flow.constants.right_end == WALL:
+        level_set.close_end(phi, dx)
     restore_distance(fields, fastest * dt / min(dx, dz), dx, dz)
     repeat(flow.geometry, phi)
     carry_terms(flow.constants.balance.response, flow, dt)

@@ -1,12 +1,13 @@
 """Collapses that other people computed or measured, recomputed with their constants; nothing is tuned.
 
-    python -m runs.comparison.study columns volume_of_fluid channel plane differences bars --data FOLDER
+    python -m runs.comparison.study columns volume_of_fluid channel plane differences bars steady_front --data FOLDER
 
-FOLDER holds the published data (particles, continuum, lab), which only the last two parts read. Each other part runs
+FOLDER holds the published data (particles, continuum, lab), which only the last three parts read. Each other part runs
 its cases and writes runs/comparison/<part>.csv and <part>_profiles.csv; cases already in the table are not run
 again. `differences` compares the tables with the data, writes differences.csv and the reference curves of
 the figures, and prints the differences in units of the uncertainty of the data. `bars` runs the aluminium bars
-through the cache of runs and compares them with the experiment: bars.csv.
+through the cache of runs and compares them with the experiment: bars.csv. `steady_front` does so with a front of
+beads on a rough plane: steady_front.csv.
 """
 
 import json
@@ -18,6 +19,7 @@ import numpy as np
 
 from runs.comparison.bars import bars
 from runs.comparison.differences import compare
+from runs.comparison.steady_front import steady_front
 from runs.comparison.tables import Folders
 from runs.study import Study, add_rows, cost, run_settings
 from runs.study import main as call
@@ -227,8 +229,9 @@ PARTS = {part.__name__: part for part in (columns, volume_of_fluid, channel, pla
 STUDY = Study(
     "comparison",
     __doc__,
-    {part: partial(do_part, part) for part in PARTS} | {"differences": differences, "bars": bars},
-    need_data=("differences", "bars"),
+    {part: partial(do_part, part) for part in PARTS}
+    | {"differences": differences, "bars": bars, "steady_front": steady_front},
+    need_data=("differences", "bars", "steady_front"),
     uses=("cache",),
 )
 main = partial(call, STUDY)

@@ -10,6 +10,8 @@ tuned to a collapse. Parts:
     labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
     blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
     thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
+    walls         friction of the walls in the model against walls of the grains: walls.csv
+    shape         which effect closes the gap of shape and volume at 10 and 16 deg: shape.csv
 
 The pages of the reports, with their figures, go below --out. Runs are kept in the cache of runs: an
 interrupted part continues with the same command.
@@ -31,7 +33,9 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
+from runs.particle_laboratory.shape import shape
 from runs.particle_laboratory.thin_layers import thin_layers
+from runs.particle_laboratory.walls import walls
 from runs.study import Study, run_cached
 from runs.study import main as call
 from runs.table import write_table
@@ -235,8 +239,10 @@ STUDY = Study(
         "labelled": labelled,
         "blind": blind,
         "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
+        "walls": partial(walls, baseline=BASELINE),
+        "shape": partial(shape, baseline=BASELINE),
     },
-    need_data=("validation", "discrepancy", "labelled", "blind", "thin_layers"),
+    need_data=("validation", "discrepancy", "labelled", "blind", "thin_layers", "walls", "shape"),
 )
 main = partial(call, STUDY)
 

@@ -45,7 +45,7 @@ CHANGES = st.fixed_dictionaries(
         "rheology.grain_diameter": st.floats(1e-9, 1),
         "boundary.mu_bed": friction,
         "boundary.mu_back_wall": friction,
-        "boundary.right_end": st.sampled_from(["grow", "open", "error"]),
+        "boundary.right_end": st.sampled_from(["grow", "open", "error", "wall"]),
         "boundary.domain_length": number(3, 20),
         "gate.speed": friction,
         "time.output_times": st.lists(number(0, 100), max_size=4),
