@@ -68,7 +68,13 @@ def test_physics_and_numerics_make_the_key(change):
 
 @pytest.mark.parametrize(
     "change",
-    [{"time.end": 2.0}, {"time.output_interval": 0.1}, {"time.output_times": [0.05]}, {}],
+    [
+        {"time.end": 2.0},
+        {"time.stop_at_rest": True},
+        {"time.output_interval": 0.1},
+        {"time.output_times": [0.05]},
+        {},
+    ],
 )
 def test_outputs_do_not(change):
     assert cache_key(CASE.replace(**change)) == cache_key(CASE)

@@ -110,6 +110,7 @@ def test_the_bar_counts_all_rounds_by_what_they_cost(columns, monkeypatch):
     bar = RoundsBar({"second": [2.0, 2.0], "third": [4.0]}, quiet=False)
     bar.begin("first", [8.0, 1.0, 1.0], 20.0)  # half of the runs are at hand
     assert bar.later == (2, 4.0)
+    assert sys.stderr.getvalue().strip().startswith("first, 0 of about 5 runs:")
     bar.end_run(8.0)
     assert "first, 1 of about 5 runs" in sys.stderr.getvalue()
     assert bar.bar.n / bar.bar.total == 8.0 / 14.0

@@ -66,9 +66,12 @@ class RoundsBar:
         if self.off or not self.runs:
             return
         runs, cost = self.later
+        about = "about " if runs else ""
+        text = f"{self.round}, {self.ended} of {about}{self.runs + runs} runs:"
         if self.bar is None:
             terminal = shutil.get_terminal_size()
             self.bar = tqdm(
+                desc=text,
                 file=sys.stderr,
                 bar_format=LAYOUT,
                 ncols=terminal.columns,
@@ -76,7 +79,5 @@ class RoundsBar:
                 smoothing=0.0,
                 total=1,
             )
-        about = "about " if runs else ""
         self.bar.total, self.bar.n = self.cost + cost, self.gone
-        text = f"{self.round}, {self.ended} of {about}{self.runs + runs} runs:"
         self.bar.set_description_str(text)
