@@ -113,13 +113,11 @@ def continue_velocity(flow):
     u, w, dx, dz = fields.u, fields.w, constants.dx, constants.dz
     known_u, known_w = np.empty(u.shape, np.int64), np.empty(w.shape, np.int64)
     constrained = flow.work.constrained
-    film, closed_end = constants.film_thickness, constants.right_end == WALL
+    film = constants.film_thickness
+    closed_end = constants.right_end == WALL or constants.layer > 0.0  # a wall closes the layer
     mark_known(known_u, known_w, geometry, constrained, film, dz, closed_end)
     extrapolate(u, known_u, LAYERS)
     extrapolate(w, known_w, LAYERS)
-    if constants.layer > 0.0:
-        for k in range(u.shape[1]):
-            u[u.shape[0] - 1, k] = 0.0  # the wall that closes the layer
     repeat(geometry, u)
     repeat(geometry, w)
     close_divergence(u, w, known_u, known_w, geometry.filled, SOLENOIDAL_LAYERS, dx, dz)

@@ -132,7 +132,7 @@ def _is_film(geometry, i):
 
 
 @kernel_jit()
-def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz, closed_end=False):
+def mark_known(known_u, known_w, geometry, constrained, film_thickness, dz, closed_end):
     """Mark with 1 the faces whose own velocity is trusted: walls, closed gate, and unknowns with enough grains.
 
     A tip thinner than `film_thickness` (m) is no continuum; it is carried along by the flow behind it

@@ -237,7 +237,7 @@ def advect_momentum(
     dx,
     dz,
     shape_factor,
-    closed_end=False,
+    closed_end,
 ):
     """(u*, w*) = velocity of every control volume after the mass has moved for dt; two-stage TVD Runge-Kutta.
 

@@ -16,7 +16,7 @@ def known_w(mass, constrained):
     cells = np.zeros((4, 4), np.bool_)
     cells[2, 1] = constrained
     marks = np.empty((5, 4), np.int64), np.empty((4, 5), np.int64)
-    mark_known(*marks, geometry, cells, 0.0, 0.01)
+    mark_known(*marks, geometry, cells, 0.0, 0.01, False)
     return marks[1][2, 1]
 
 

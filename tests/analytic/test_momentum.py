@@ -20,7 +20,7 @@ def advected(u, w, phi_old, phi_new, dt):
     slip, aperture = np.zeros(u.shape[0]), np.ones_like(u)
     packing = np.ones((len(w), len(w)))
     advect_momentum(
-        u_star, w_star, u, w, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0
+        u_star, w_star, u, w, u, w, slip, aperture, phi_old, phi_new, packing, dt, h, h, 1.0, False
     )
     return u_star, w_star
 

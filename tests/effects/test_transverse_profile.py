@@ -50,7 +50,7 @@ def advected(u, w, dt, beta):
     slip, aperture = np.zeros(nx + 1), np.ones_like(u)
     packing = np.ones((nx, nz))
     advect_momentum(
-        u_star, w_star, u, w, u, w, slip, aperture, phi, phi, packing, dt, 1.0, 1.0, beta
+        u_star, w_star, u, w, u, w, slip, aperture, phi, phi, packing, dt, 1.0, 1.0, beta, False
     )
     return u_star, w_star
 
