@@ -216,7 +216,7 @@ def add_extra_friction(
                 )
                 rate = shear_rate_from(4.0 * e2, g_node[i, k] ** 2)
                 extra *= max(p, 0.0) / v / (rate**2 + material.shear_rate_min**2) ** 0.5
-                weight_node[i, k] = max(weight_node[i, k] + extra, v * ETA_FLOOR)
+                weight_node[i, k] = max(weight_node[i, k] + extra, geometry.plane[i, k] * ETA_FLOOR)
 
 
 @inner_jit()
