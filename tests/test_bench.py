@@ -41,7 +41,7 @@ def test_a_timed_run_is_the_run():
 
 def test_figures_add_up():
     """Shares sum to one; no part of a sweep beats the bound of its memory traffic a hundred times over."""
-    row = measured.figures(run(measured.TimedSimulation))
+    row = measured.figures(run(measured.TimedSimulation), 1.0)
     assert sum(row["share"].values()) == pytest.approx(1.0)
     assert all(value > 0.0 for value in row["sweep_s"].values())
     assert 0.0 < row["bound_sweep_s"] < sum(row["sweep_s"].values())
