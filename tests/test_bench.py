@@ -68,7 +68,7 @@ def test_effects_are_compared_with_the_case_without(monkeypatch, tmp_path):
 
     def run_member(case):
         gate = case.effects.gate
-        row = measured.figures(made) | {"wall_s": 2.0 if gate is None else 3.0, "command_s": 4.0}
+        row = measured.figures(made, 2.0 if gate is None else 3.0) | {"command_s": 4.0}
         return row | {"end": case.time.end}
 
     made = run(measured.TimedSimulation)
