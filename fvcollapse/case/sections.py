@@ -115,8 +115,7 @@ class Boundary(Section):
         Literal["grow", "open", "error", "wall"],
         key(
             "-",
-            "far end: grows, or material leaves and is booked, or reaching it fails, or a wall without friction "
-            "at domain_length",
+            "far end: grows; lets grains out; is not to be reached; a wall without friction",
         ),
     ] = "grow"
     ends: Annotated[
