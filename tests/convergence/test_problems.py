@@ -26,6 +26,7 @@ SLOW = {
     "thin_layer_stop",
     "thin_layer_stop_sliding",
     "thin_layer_stop_nonlocal",
+    "thin_layer_thick",
 }
 
 
