@@ -172,11 +172,18 @@ def member(case_text):
         made.append(TimedSimulation(*arguments))
         return made[-1]
 
-    wall = loop_time(case)
+    wall, memory = loop_time(case), largest_memory()
+    start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         run_case(case, Path(folder) / "run", quiet=True, simulate=simulate)
     (timed,) = made
-    return figures(timed, wall)
+    again = time.perf_counter() - start
+    return figures(timed, wall) | {"memory_mb": memory, "timed_again_s": again}
+
+
+def largest_memory():
+    """Largest memory of this process so far, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
 def loop_time(case):
@@ -212,7 +219,7 @@ def figures(timed, wall):
         "bound_sweep_s": bound_of_sweep,
         "over_bound": {name: seconds / bound_of_sweep for name, seconds in parts.items()},
         "bound_s": traffic / sweep_bytes * bound_of_sweep,
-        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        "memory_mb": largest_memory(),
     }
 
 
