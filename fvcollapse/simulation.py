@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.effects.catalogue import effects_on
 from fvcollapse.errors import NumericalError
 from fvcollapse.march import (
     BREAKS_LAW,
@@ -32,7 +33,6 @@ from fvcollapse.step.constants import constants_of
 from fvcollapse.step.domain import allocate, make_room
 from fvcollapse.step.energy import energies
 from fvcollapse.step.flow import KINETIC, POTENTIAL, flow_of
-from fvcollapse.step.gate import gate_height
 from fvcollapse.step.grid import Grid
 from fvcollapse.step.guards import broken_law, broken_words, fastest_place, watch_of
 from fvcollapse.step.initial import HALO, initial_grid, initial_state
@@ -76,7 +76,7 @@ class Simulation:
         self._energy, self._memory = np.zeros(2), np.zeros(0)
         self.watch = watch_of(self.case, 0.0)
         allocate(self)
-        self._begin(PLACE if given else SETTLE)
+        self.row = self._begin(PLACE if given else SETTLE)
         self.watch = watch_of(self.case, self._energy.sum())
 
     def _read_constants(self):
@@ -92,7 +92,7 @@ class Simulation:
         self.gravity = constants.balance.gx, constants.balance.gz
 
     def _begin(self, begin):
-        """Geometry, energy and series are those of the state: placed, or settled behind the closed gate.
+        """Geometry and energy are those of the state: placed, or settled behind the closed gate; return the series.
 
         The column settles with all friction at work: static pressure, then at rest.
         """
@@ -102,7 +102,7 @@ class Simulation:
         plan = Plan(0.0, self.reading, self.watch, guarded=False, begin=begin)
         steps = march if begin == SETTLE else self._march
         steps(flow, plan, log, rows, self._memory)
-        self.row = rows[0]
+        return rows[0]
 
     def watch_energy(self, series):
         """The guards watch the energy of the start of the record of a run that is continued."""
@@ -182,7 +182,7 @@ class Simulation:
             return None
         time = self.state.time
         if ended.code == TOO_SHORT:
-            return explain_short_step(flow, [name for name, _ in self.terms.limit])
+            return explain_short_step(flow, [effect.name for effect, _ in effects_on(self.case)])
         if ended.code == REFUSED:
             problem = problem_of(ended.outcome, self.constants)
             return NumericalError(problem, "in the momentum solve", time)
@@ -238,11 +238,6 @@ class Simulation:
     def cell_quantities(self):
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
         return quantities.cell_quantities(self.flow())
-
-    def gate_is_moving(self):
-        """Whether the gate still touches the mass."""
-        height = gate_height(self.state.time, self.lift)
-        return self.lift.speed > 0.0 and height < self.grid.nz * self.spacing[1]
 
     def max_speed(self):
         """Largest velocity component on the faces of the grains, m/s."""

@@ -10,14 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.files.hdf5 import memory_file, write_dataset
+from fvcollapse.march import SAME_TIME
 from fvcollapse.measure.observables import front_velocity, numerical_loss
 from fvcollapse.measure.pile import ill_posed_share, static_height, thickness
 from fvcollapse.measure.series_row import ROW
 from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS, about_field
 from fvcollapse.step.erodible_bed import layer_thickness
 from fvcollapse.step.geometry import cell_fractions
-
-SAME_TIME = 1.0e-9  # s; scheduled times closer than this are one
 
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
@@ -121,12 +120,12 @@ class Recorder:
 
     def add_landing(self, simulation, landing):
         """Record what is due at a landing: the ill-posed share, the profile, the field."""
-        share = ill_posed_share(simulation.state, simulation.cell_quantities())
-        self.series[AT_LANDINGS][-1] = share
+        quantities = simulation.cell_quantities()
+        self.series[AT_LANDINGS][-1] = ill_posed_share(simulation.state, quantities)
         if landing.profile:
             self.add_profile(simulation)
         if landing.field:
-            self.add_field(simulation)
+            self.add_field(simulation, quantities)
 
     def add_profile(self, simulation):
         """Append thickness and static–flowing interface, from the surface of an erodible layer."""
@@ -136,14 +135,15 @@ class Recorder:
         self.profiles["thickness"].append(thickness(state.level_set, grid.dz) - layer)
         self.profiles["static_height"].append(static_height(state, grid) - layer)
 
-    def add_field(self, simulation):
-        """Compress the present fields into /fields/<index>, and write the arrays for ParaView."""
+    def add_field(self, simulation, quantities):
+        """Compress the present fields into /fields/<index>, and write the arrays for ParaView.
+
+        `quantities` are those of `Simulation.cell_quantities`.
+        """
         state, grid = simulation.state, simulation.grid
         own = ("level_set", "u", "w", *state.effect_fields())
         arrays = {name: getattr(state, name) for name in own}
-        arrays |= {
-            name: a for name, a in simulation.cell_quantities().items() if name not in NOT_STORED
-        }
+        arrays |= {name: values for name, values in quantities.items() if name not in NOT_STORED}
         index = str(len(self.store["fields"]))
         group = self.store["fields"].create_group(index)
         group.attrs["time"] = state.time

@@ -48,14 +48,14 @@ def steps_towards(simulation, recorder, landing, pace, last):
     marched = simulation.march(landing.time, min(pace.steps, left))
     seconds = time.perf_counter() - start
     pace.note(len(marched.records), seconds)
-    recorder.add_steps(marched, seconds)
-    if marched.problem is None and simulation.state.time >= landing.time - SAME_TIME:
-        stopping = stops(simulation.case, recorder.series)
-        try:
+    try:
+        recorder.add_steps(marched, seconds)
+        if marched.problem is None and simulation.state.time >= landing.time - SAME_TIME:
+            stopping = stops(simulation.case, recorder.series)
             recorder.add_landing(simulation, last if stopping else landing)
-        except BaseException:
-            rewind(recorder, mark)
-            raise
+    except BaseException:
+        rewind(recorder, mark)
+        raise
     return marched
 
 
