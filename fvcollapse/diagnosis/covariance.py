@@ -29,6 +29,7 @@ INSENSITIVE = 1.0
 LENGTH_X, LENGTH_T = 0.15, 0.30  # correlation lengths of the discrepancy in lengths and durations
 AT_REST = 1.2  # durations after which nothing changes any more
 BETWEEN_RUNS = 0.5  # correlation of the discrepancies of two runs
+COMMON = None  # in place of the name of one experiment: the error is that of the laboratory
 
 
 def measurement_covariance(points, sensitivity):
@@ -37,7 +38,8 @@ def measurement_covariance(points, sensitivity):
     Run-level errors, each one standard deviation of one shape: thicknesses, interface and final height
     in proportion, by sigma(height_0) / height_0 (the scale of the picture is known as well as the column);
     all X by sigma(length_0) (the place of the back wall in the picture); the clock by sigma(time). The
-    standard deviations are those of `[uncertainty]`, else the defaults of `fvcollapse.measure.uncertainty`.
+    standard deviations are those of `[uncertainty]`, else the defaults of `fvcollapse.measure.uncertainty`. An error
+    that experiments have in `[common]` is one error of all of them.
 
     Parameters
     ----------
@@ -45,19 +47,23 @@ def measurement_covariance(points, sensitivity):
     sensitivity : Sensitivity
         Of a simulation on these points (`Points.sensitivity`).
     """
-    covariance = np.diag(floored(points) ** 2)
-    heights = np.isin(points.observable, HEIGHTS)
+    shapes, heights = {}, np.isin(points.observable, HEIGHTS)
     for experiment in points.experiments:
         own = points.of(experiment)
         geometry = experiment.settings.geometry
         ruler = experiment.standard_deviation("height_0", geometry.height_0) / geometry.height_0
         offset = experiment.standard_deviation("length_0", geometry.length_0)
-        shapes = (
-            ruler * np.where(heights, points.measured, 0.0)[own],
-            offset * sensitivity.origin[own],
-            experiment.standard_deviation("time") * sensitivity.clock[own],
-        )
-        covariance[own, own] += sum(np.outer(shape, shape) for shape in shapes)
+        errors = {
+            "height_0": ruler * np.where(heights, points.measured, 0.0)[own],
+            "length_0": offset * sensitivity.origin[own],
+            "time": experiment.standard_deviation("time") * sensitivity.clock[own],
+        }
+        for name, error in errors.items():
+            laboratory = COMMON if experiment.has_common(name) else experiment.name
+            shapes.setdefault((name, laboratory), np.zeros(len(points)))[own] = error
+    shapes = np.array([*shapes.values()])
+    covariance = shapes.T @ shapes
+    covariance[np.diag_indices(len(points))] += floored(points) ** 2
     return covariance
 
 

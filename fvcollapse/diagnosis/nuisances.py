@@ -25,13 +25,15 @@ SET_UP = {  # drawn for each experiment by itself; the clock is in the covarianc
 }
 LAWS_WITH_I = ("mu_I", "mu_I_regularised")
 SLOPE_MAX = 30.0  # deg
+FOLDED = 3.0  # standard deviations below which a slope may have either sign, and its error is no common one
 
 
 class Nuisance(NamedTuple):
     """A quantity that is known within a standard deviation.
 
     `experiments` are the names of those whose runs it enters, `design` tells their set-up; `mean` and
-    `sd` are in the unit of the key.
+    `sd` are in the unit of the key, those of the first experiment. A common error of the set-up is one shift, in
+    standard deviations, of several set-ups: `others` holds the (mean, sd) of every experiment then.
     """
 
     key: str
@@ -39,12 +41,16 @@ class Nuisance(NamedTuple):
     mean: float
     sd: float
     design: str = ""
+    others: tuple = ()
 
-    def value(self, z):
-        """Value at z standard deviations; positive quantities are lognormal."""
+    def value(self, z, experiment=None):
+        """Value at z standard deviations in an experiment, default the first; positive quantities are lognormal."""
+        mean, sd = self.mean, self.sd
+        if self.others and experiment is not None:
+            mean, sd = self.others[self.experiments.index(experiment)]
         if self.key == "geometry.slope_angle_deg":
-            return min(abs(self.mean + z * self.sd), SLOPE_MAX)
-        return self.mean * float(np.exp(z * self.sd / self.mean))
+            return min(abs(mean + z * sd), SLOPE_MAX)
+        return mean * float(np.exp(z * sd / mean))
 
     def realised(self, z):
         """The z that the value stands for: a slope is never negative."""
@@ -54,8 +60,8 @@ class Nuisance(NamedTuple):
 
 
 def nuisances(experiments, cases):
-    """All `Nuisance`s of the experiments: those of the material are shared where they agree."""
-    shared, own = {}, []
+    """All `Nuisance`s of the experiments: shared where it is the same material, or a common error of the set-up."""
+    material, common, own = {}, {}, []
     for experiment in experiments:
         case = cases[experiment.name]
         for key, quantity in (CALIBRATED | SET_UP).items():
@@ -64,11 +70,17 @@ def nuisances(experiments, cases):
                 continue
             sd = experiment.standard_deviation(quantity, mean)
             if sd > 0.0 and key in CALIBRATED:
-                shared.setdefault((key, mean, sd), []).append(experiment.name)
+                material.setdefault((key, mean, sd), []).append(experiment.name)
+            elif sd > 0.0 and experiment.has_common(quantity) and mean > FOLDED * sd:
+                common.setdefault(key, {})[experiment.name] = (mean, sd)
             elif sd > 0.0:
                 own.append(Nuisance(key, (experiment.name,), mean, sd, design_text(case)))
-    material = [Nuisance(key, tuple(names), *about) for (key, *about), names in shared.items()]
-    return (*material, *own)
+    grains = [Nuisance(key, tuple(names), *about) for (key, *about), names in material.items()]
+    tank = [
+        Nuisance(key, tuple(about), *next(iter(about.values())), "common", tuple(about.values()))
+        for key, about in common.items()
+    ]
+    return (*grains, *tank, *own)
 
 
 def design_text(case):
@@ -108,7 +120,7 @@ def with_nuisances(case, name, quantities, z):
     A column of another size keeps its number of cells, so that the response is smooth.
     """
     changes = {
-        quantity.key: quantity.value(shift)
+        quantity.key: quantity.value(shift, name)
         for quantity, shift in zip(quantities, z, strict=True)
         if name in quantity.experiments
     }

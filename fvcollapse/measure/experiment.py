@@ -86,6 +86,10 @@ class Experiment:
         """
         return standard_deviation(self.settings.uncertainty, name, value)
 
+    def has_common(self, name):
+        """Whether the error of a quantity is that of all experiments of the laboratory; see `[common]`."""
+        return getattr(self.settings.common, name, False)
+
     def case(self, base=None):
         """The case of this experiment.
 

@@ -107,6 +107,20 @@ class Time(Section):
     ] = 0.0
 
 
+class Common(Section):
+    """Errors that all experiments of a laboratory share: the same tank, gate and camera.
+
+    Every experiment that says `true` has the same error of that quantity; of `height_0` and `length_0` also the same
+    scale of the picture and the same origin of X.
+    """
+
+    slope_angle_deg: Annotated[bool, key("-", "the inclination is off by the same angle")] = False
+    height_0: Annotated[bool, key("-", "the height is off by the same length")] = False
+    length_0: Annotated[bool, key("-", "the length is off by the same length")] = False
+    speed: Annotated[bool, key("-", "the gate is faster or slower by the same speed")] = False
+    time: Annotated[bool, key("-", "the clock is ahead by the same time")] = False
+
+
 class Settings(Section):
     """All of `experiment.toml` but its `[truth]`."""
 
@@ -118,6 +132,7 @@ class Settings(Section):
     front: Front = Front()
     time: Time = Time()
     uncertainty: Uncertainty = Uncertainty()
+    common: Common = Common()
 
 
 def describe_keys():
