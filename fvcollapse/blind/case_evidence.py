@@ -1,8 +1,8 @@
 """Cases by the hundred through the evidence of the diagnosis; no label is read.
 
-All cases of a design (the same experiments) share its library of runs, which is computed once, through
-the cache. The cases of a design are taken in batches, so that what has been read of the library serves a
-whole batch.
+Cases with the same set-ups share the library of their runs, which is computed once, through the cache. Cases are
+taken in batches, so that what has been read of the library serves a whole batch; those of one world, which have its
+controls in common, follow one another.
 """
 
 import json
@@ -18,7 +18,8 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from fvcollapse.studies.workers import HERE, Resources, run_all
 
-BATCH = 8  # cases of a design that a worker takes at once
+BATCH = 6  # cases that a worker takes at once
+CONTROLS = "controls"  # folder of a case that holds the controls of its laboratory
 
 
 class RememberingRunner(Runner):
@@ -58,7 +59,8 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
     workers, scheduler, quiet
         See `workers.run_all`.
     **options
-        `cache`, `cell_size`, `draws`, `effects`, `refinements` and `seed` of the diagnosis.
+        `cache`, `cell_size`, `draws`, `effects`, `refinements` and `seed` of the diagnosis; `controls`: whether it
+        gets the controls of the laboratory.
 
     Returns
     -------
@@ -66,15 +68,9 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
         Case -> NumericalError, of those that could not be compared.
     """
     out = make_folder(Path(out).absolute())
-    designs = {}
-    for case in case_folders(folder):
-        if not (out / f"{case.name}.json").exists():
-            designs.setdefault(design_of(case), []).append(case)
-    resources, batches = Resources(workers, scheduler, quiet), []
-    for first, *others in designs.values():  # the first of each design computes the library
-        keep_evidence(first, out, runner_of(options, resources), options)
-        batches += in_batches(others)
-    return each_batch(keep_batch, {batch: (batch, out, options) for batch in batches}, resources)
+    missing = [case for case in case_folders(folder) if not (out / f"{case.name}.json").exists()]
+    calls = {batch: (batch, out, options) for batch in in_batches(missing)}
+    return each_batch(keep_batch, calls, Resources(workers, scheduler, quiet))
 
 
 def in_batches(cases):
@@ -137,10 +133,13 @@ def runner_of(options, resources=HERE):
 
 
 def analysis_of(case, runner, options):
-    """The `Analysis` of a case."""
+    """The `Analysis` of a case, with the controls of its laboratory if the options say so."""
     options = {name: value for name, value in options.items() if name != "cache"}
     asked = {name: options.pop(name) for name in ("cell_size", "seed") if name in options}
     experiments = tuple(load_experiment(case / name) for name in design_of(case))
+    if options.pop("controls", False):
+        folders = sorted((case / CONTROLS).glob(f"*/{SETTINGS}"))
+        asked["controls"] = tuple(load_experiment(path.parent) for path in folders)
     return analyse(Question(experiments, **asked), runner, **options)
 
 
@@ -151,7 +150,7 @@ def keep_evidence(case, out, runner, options):
 
 
 def keep_batch(cases, out, options):
-    """Write the evidence of cases of one design; {case: NumericalError} of those that failed."""
+    """Write the evidence of some cases; {case: NumericalError} of those that failed."""
     runner, failed = runner_of(options), {}
     for case in cases:
         try:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.blind.set_ups import BLIND_DESIGNS, TRAINING_DESIGNS
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
@@ -30,6 +31,12 @@ class Style(NamedTuple):
         Every second closure of an effect, from this one on; an effect with one keeps it.
     unknowns : tuple of str
         Kinds of causes outside the catalogue.
+    worlds : tuple of str
+        Kinds of physics of the worlds; see `worlds.KINDS`.
+    error_lengths : (float, float)
+        Length [m] and time [s] over which the error of the believed model varies.
+    designs : tuple of tuples of str
+        Set-ups of the experiments of a case.
     """
 
     cells: tuple
@@ -39,6 +46,9 @@ class Style(NamedTuple):
     scheme: str
     first_closure: int
     unknowns: tuple
+    worlds: tuple
+    error_lengths: tuple
+    designs: tuple
 
 
 TRAINING = Style(
@@ -49,6 +59,9 @@ TRAINING = Style(
     scheme="implicit",
     first_closure=0,
     unknowns=("linear_drag", "rough_strip", "sloping_surface", "clock", "grain_loss"),
+    worlds=("thin_layers", "dilatant_grains", "slippery_bed", "uneven_bed"),
+    error_lengths=(0.15, 0.30),
+    designs=TRAINING_DESIGNS,
 )
 BLIND = Style(
     cells=(17.0, 20.0),
@@ -64,6 +77,9 @@ BLIND = Style(
         "magnification",
         "short_channel",
     ),
+    worlds=("thin_layers_without_fluidity", "hysteretic_grains", "rubbing_walls", "loose_bed"),
+    error_lengths=(0.08, 0.20),
+    designs=BLIND_DESIGNS,
 )
 
 
@@ -88,6 +104,32 @@ def draw_classes(count, rng):
     classes += [draw_pair(rng) for _ in range(pairs)]
     classes += rng.choice(effects, single, p=shares).tolist()
     return rng.permutation(classes[:count]).tolist()
+
+
+def dealt(causes, hidden):
+    """Causes dealt to the worlds in turn, none of them an effect that its world has already.
+
+    Parameters
+    ----------
+    causes : sequence of str
+    hidden : sequence of collections of str
+        Effects of the world of each case.
+
+    Returns
+    -------
+    list of str
+        The same causes in another order; one that no world without it is left for goes to the first that has room
+        for it by an exchange.
+    """
+    causes = list(causes)
+    for number, effects in enumerate(hidden):
+        others = (*range(number, len(causes)), *range(number))
+        for other in others:
+            fits = not set(causes[other].split("+")) & set(effects)
+            if fits and (other >= number or not set(causes[number].split("+")) & set(hidden[other])):
+                causes[number], causes[other] = causes[other], causes[number]
+                break
+    return causes
 
 
 def draw_pair(rng):

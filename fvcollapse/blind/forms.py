@@ -5,11 +5,11 @@ set-ups that are known.
 """
 
 import re
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
-from fvcollapse.blind.set_ups import SET_UPS
+from fvcollapse.blind.set_ups import CONTROL, SET_UPS, STATEMENTS
 from fvcollapse.case.grammar import closest_name, show
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -65,6 +65,19 @@ class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
             raise ValueError("as many phases as waves")
 
 
+class SmoothError(msgspec.Struct, tag_field="kind", tag="smooth_error"):
+    """See `outside.smooth_error`."""
+
+    height: Share
+    reach: Share
+    waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
+    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
+
+    def __post_init__(self):
+        if len(self.waves) != len(self.phases):
+            raise ValueError("as many phases as waves")
+
+
 class Magnification(msgspec.Struct, tag_field="kind", tag="magnification"):
     """See `outside.magnification`."""
 
@@ -92,7 +105,7 @@ class Run(msgspec.Struct):
 
     case: str
     forces: list[LinearDrag | QuadraticDrag | Strip | UnevenFriction]
-    readings: list[Magnification | Clock | GrainLoss | FallenGrains]
+    readings: list[SmoothError | Magnification | Clock | GrainLoss | FallenGrains]
     noise: Whole
 
 
@@ -104,9 +117,21 @@ class Drawn(msgspec.Struct):
     quantiles: dict[str, Share]
 
 
+class World(msgspec.Struct):
+    """What all experiments of a laboratory have in common, see `generator.drawn_world`."""
+
+    name: Annotated[str, msgspec.Meta(pattern=r"^world_[0-9]{1,12}\Z")]
+    strength: Literal["slight", "strong"]
+    statement: str
+    quality: Positive
+    common: dict[str, float]
+    controls: dict[str, Run]
+
+
 class Label(msgspec.Struct):
     """What is hidden in a case, see `generator.draw_label`."""
 
+    world: World
     cause: str
     unknown_kind: str | None
     effects: dict[str, Drawn]
@@ -118,6 +143,7 @@ class Entry(msgspec.Struct):
 
     salt: Salt
     seed: Whole
+    world_seed: Whole
     attempt: Whole
     label: Label
 
@@ -139,10 +165,16 @@ def label_problems(entry):
         )
     for name, drawn in label["effects"].items():
         yield from drawn_problems(name, drawn)
-    for name in label["experiments"]:
-        if name not in SET_UPS:
-            nearest = closest_name(name, list(SET_UPS))
-            yield "label.experiments", show(name), f"set-ups; the closest is {nearest}"
+    world = label["world"]
+    if world["statement"] not in STATEMENTS:
+        yield "label.world.statement", show(world["statement"]), " or ".join(STATEMENTS)
+    places = {"label.experiments": (label["experiments"], "")}
+    places["label.world.controls"] = (world["controls"], CONTROL)
+    for key, (runs, prefix) in places.items():
+        for name in runs:
+            if not name.startswith(prefix) or name.removeprefix(prefix) not in SET_UPS:
+                nearest = closest_name(name, [prefix + each for each in SET_UPS])
+                yield key, show(name), f"set-ups; the closest is {nearest}"
 
 
 def drawn_problems(name, drawn):

@@ -9,16 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fvcollapse.blind.causes import BLIND, Style, draw_classes
+from fvcollapse.blind.causes import BLIND, Style, dealt, draw_classes
 from fvcollapse.blind.forms import label_problems, read_form, refuse_names
-from fvcollapse.blind.generator import draw_label
+from fvcollapse.blind.generator import draw_label, drawn_world
+from fvcollapse.blind.worlds import world_seeds
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 
 LABELS_FORMAT = "fvcollapse-labels"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 class Draw(NamedTuple):
@@ -33,12 +34,15 @@ class Draw(NamedTuple):
         For a suite that anybody can make again; None: entropy of the system.
     cells : (float, float) or None
         Range of the number of cells in the height, instead of that of the style.
+    per_world : int
+        Cases of a world; the last may have fewer.
     """
 
     style: Style = BLIND
     classes: tuple | None = None
     seed: int | None = None
     cells: tuple | None = None
+    per_world: int = 3
 
 
 def begun_plan(count, folder, labels):
@@ -62,21 +66,50 @@ def begun_plan(count, folder, labels):
 
 
 def draw_plan(count, draw):
-    """All labels: {"cases": {name: {"salt", "seed", "attempt", "label"}}} and the solver."""
+    """All labels: {"cases": {name: {"salt", "seed", "world_seed", "attempt", "label"}}} and the solver."""
     draws = np.random.default_rng(draw.seed)  # without a seed: entropy of the system
     classes = draw_classes(count, draws) if draw.classes is None else list(draw.classes)
+    seeds = world_seeds(-(-count // draw.per_world), draws)
+    worlds = {name: drawn_world(name, draw.style, seed, draw.cells) for name, seed in seeds.items()}
+    own = [name for name in worlds for _ in range(draw.per_world)][:count]
+    classes = dealt(classes, [worlds[name]["effects"] for name in own])
     digits = max(3, len(str(count)))
     cases = {}
-    for number, cause in enumerate(classes, start=1):
-        entry = {"salt": os.urandom(16).hex(), "seed": int(draws.integers(2**63)), "attempt": 0}
-        cases[f"case_{number:0{digits}d}"] = entry | {"label": label_of(cause, entry, draw)}
+    for number, (cause, name) in enumerate(zip(classes, own, strict=True), start=1):
+        entry = {
+            "salt": os.urandom(16).hex(),
+            "seed": int(draws.integers(2**63)),
+            "world_seed": seeds[name],
+            "attempt": 0,
+        }
+        label = draw_label(cause, draw.style, entry["seed"], worlds[name])
+        cases[f"case_{number:0{digits}d}"] = entry | {"label": label}
     about = {"format": LABELS_FORMAT, "format_version": FORMAT_VERSION}
     return about | {"solver": solver_version(), "cases": cases}
 
 
-def label_of(cause, entry, draw):
-    """The label of an entry; another attempt is another draw."""
-    return draw_label(cause, draw.style, entry["seed"] + entry["attempt"], draw.cells)
+def draw_again(entry, draw):
+    """Draw the label of an entry again, with the same cause in the same world."""
+    entry["attempt"] += 1
+    label = entry["label"]
+    seed = entry["seed"] + entry["attempt"]
+    entry["label"] = draw_label(label["cause"], draw.style, seed, label["world"])
+
+
+def draw_world_again(plan, name, draw):
+    """Draw a world again, and with it the labels of its cases; causes that it now has itself stay as they are."""
+    entries = [entry for entry in plan["cases"].values() if entry["label"]["world"]["name"] == name]
+    hidden = {effect for entry in entries for effect in entry["label"]["effects"]}
+    for entry in entries:
+        entry["attempt"] += 1
+    seed = entries[0]["world_seed"] + max(entry["attempt"] for entry in entries)
+    world = drawn_world(name, draw.style, seed, draw.cells)
+    while hidden & set(world["effects"]):
+        seed += 1
+        world = drawn_world(name, draw.style, seed, draw.cells)
+    for entry in entries:
+        seed = entry["seed"] + entry["attempt"]
+        entry["label"] = draw_label(entry["label"]["cause"], draw.style, seed, world)
 
 
 def write_labels(path, plan):
@@ -106,5 +139,9 @@ def refuse_bad_cases(path, plan):
         if not entry["label"]["experiments"]:
             key = f"cases.{name}.label.experiments"
             raise InputError(path, key, "no experiment", "one or more")
-        for run, experiment in entry["label"]["experiments"].items():
-            case_from_text(experiment["case"], f"{path}: cases.{name}.label.experiments.{run}.case")
+        places = {"experiments": entry["label"]["experiments"]}
+        places["world.controls"] = entry["label"]["world"]["controls"]
+        for place, runs in places.items():
+            for run, experiment in runs.items():
+                key = f"cases.{name}.label.{place}.{run}.case"
+                case_from_text(experiment["case"], f"{path}: {key}")

@@ -4,22 +4,25 @@ The labels are drawn first and kept outside the folder of the cases; the truths 
 the end the folder gets `SEAL.json`. An interrupted call is continued by the same call.
 """
 
+import hashlib
 import os
 import shutil
 from pathlib import Path
 
 import numpy as np
 
+from fvcollapse.blind.case_evidence import CONTROLS
 from fvcollapse.blind.labels import (
     Draw,
     begun_plan,
+    draw_again,
     draw_plan,
-    label_of,
+    draw_world_again,
     write_labels,
 )
 from fvcollapse.blind.measurement import film
-from fvcollapse.blind.seal import SEAL, seal_text
-from fvcollapse.blind.set_ups import ERRORS, SET_UPS, settings_text
+from fvcollapse.blind.seal import SEAL, canonical, seal_text
+from fvcollapse.blind.set_ups import errors_of, set_up_of, settings_text
 from fvcollapse.blind.truth import keep_truth, view_of
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
@@ -74,7 +77,7 @@ def make(count, folder, labels=None, draw=Draw(), resources=HERE):  # noqa: B008
     work = make_folder(labels.with_name(f"{labels.name}.runs"), mode=0o700)  # it shows the causes
     run_truths(plan, labels, draw, work, resources)
     for name, entry in plan["cases"].items():
-        write_case(folder / name, entry["label"], work / run_name(name, entry))
+        write_case(folder / name, entry, work / run_name(name, entry), work)
     write_atomic(folder / SEAL, seal_text(plan, folder).encode())
     os.utime(folder / SEAL, (MOMENT, MOMENT))
     shutil.rmtree(work)
@@ -100,29 +103,46 @@ def run_name(name, entry):
     return f"{name}_{entry['attempt']}"
 
 
+def world_name(entry):
+    """Folder of the truths of the controls of one draw of a world."""
+    world = entry["label"]["world"]
+    return f"{world['name']}_{digest_of(world)}"
+
+
+def digest_of(world):
+    """A short name of what a world is."""
+    return hashlib.sha256(canonical(world)).hexdigest()[:12]
+
+
 def run_truths(plan, labels, draw, work, resources):
-    """Run all truths; a case that cannot be computed is drawn again with the same cause."""
-    todo = set(plan["cases"])
-    while todo:
-        failed = compute(plan, todo, work, resources)
+    """Run all truths; a case, or a world, that cannot be computed is drawn again with the same causes."""
+    while True:
+        failed = compute(plan, work, resources)
+        if not failed:
+            return
         for name, error in failed.items():
-            entry = plan["cases"][name]
-            entry["attempt"] += 1
-            if entry["attempt"] > REDRAWS:
+            if name in plan["cases"]:
+                draw_again(plan["cases"][name], draw)
+            else:
+                draw_world_again(plan, name, draw)
+            if max(entry["attempt"] for entry in plan["cases"].values()) > REDRAWS:
                 raise error
-            entry["label"] = label_of(entry["label"]["cause"], entry, draw)
         write_labels(labels, plan)
-        todo = set(failed)
 
 
-def compute(plan, names, work, resources):
-    """Run the truths of some cases; return {case: NumericalError} of those that failed."""
+def compute(plan, work, resources):
+    """Run the truths that are not there; return {case or world: NumericalError} of those that failed."""
     calls, failed = {}, {}
-    for name in sorted(names):
-        entry = plan["cases"][name]
-        for run, experiment in entry["label"]["experiments"].items():
-            path = work / run_name(name, entry) / f"{run}.h5"
-            calls[name, run] = (experiment["case"], experiment["forces"], path)
+    for name, entry in sorted(plan["cases"].items()):
+        world = entry["label"]["world"]
+        places = {
+            (world["name"], world_name(entry)): world["controls"],
+            (name, run_name(name, entry)): entry["label"]["experiments"],
+        }
+        for (owner, place), runs in places.items():
+            for run, experiment in runs.items():
+                path = work / place / f"{run}.h5"
+                calls[owner, run] = (experiment["case"], experiment["forces"], path)
 
     def finished(call, outcome):
         if isinstance(outcome, NumericalError):
@@ -134,16 +154,30 @@ def compute(plan, names, work, resources):
     return failed
 
 
-def write_case(folder, label, truths):
-    """Write the experiment folders of a case, all files with the same date."""
+def write_case(folder, entry, truths, work):
+    """Write the experiments of a case and the controls of its laboratory, all files with the same date."""
+    label = entry["label"]
+    world = label["world"]
     for name, experiment in label["experiments"].items():
-        set_up, case = SET_UPS[name], case_from_text(experiment["case"])
-        view = view_of(truths / f"{name}.h5", case, experiment)
-        rng = np.random.default_rng(experiment["noise"])
-        texts = film(view, set_up.end, set_up.reach, ERRORS, rng)
-        (folder / name).mkdir(parents=True, exist_ok=True)
-        for file, text in ({SETTINGS: settings_text(name)} | texts).items():
-            write_atomic(folder / name / file, text.encode())
-            os.utime(folder / name / file, (MOMENT, MOMENT))
-        os.utime(folder / name, (MOMENT, MOMENT))
+        write_experiment(folder / name, experiment, world, truths)
+    for name, experiment in world["controls"].items():
+        write_experiment(folder / CONTROLS / name, experiment, world, work / world_name(entry))
+    os.utime(folder / CONTROLS, (MOMENT, MOMENT))
+    os.utime(folder, (MOMENT, MOMENT))
+
+
+def write_experiment(folder, experiment, world, truths):
+    """Write the folder of one experiment."""
+    name, case = folder.name, case_from_text(experiment["case"])
+    set_up, common = set_up_of(name), world["common"]
+    view = view_of(truths / f"{name}.h5", case, experiment)
+    rng = np.random.default_rng(experiment["noise"])
+    errors = errors_of(set_up, world["statement"], world["quality"])
+    camera = {key: common[key] for key in ("time", "offset", "scale") if key in common}
+    texts = film(view, set_up.end, set_up.reach, errors, rng, camera)
+    texts[SETTINGS] = settings_text(name, world["statement"], world["quality"])
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in texts.items():
+        write_atomic(folder / file, text.encode())
+        os.utime(folder / file, (MOMENT, MOMENT))
     os.utime(folder, (MOMENT, MOMENT))

@@ -46,7 +46,7 @@ def frames(end):
     return FRAME * np.arange(int(round(end / FRAME)) + 1)
 
 
-def film(view, end, reach, errors, rng):
+def film(view, end, reach, errors, rng, common=None):
     """The CSV texts of one run, by file name.
 
     Parameters
@@ -56,9 +56,12 @@ def film(view, end, reach, errors, rng):
         Last frame [s] and last place [m]; the same for every run of a set-up.
     errors : Errors
     rng : numpy.random.Generator
+    common : dict, optional
+        Errors in standard deviations of `time`, `offset` and `scale` that all runs share; others are drawn.
     """
-    ahead, offset = errors.time * rng.standard_normal(), errors.offset * rng.standard_normal()
-    scale = 1.0 + errors.scale * rng.standard_normal()
+    drawn = {name: rng.standard_normal() for name in ("time", "offset", "scale")} | (common or {})
+    ahead, offset = errors.time * drawn["time"], errors.offset * drawn["offset"]
+    scale = 1.0 + errors.scale * drawn["scale"]
     time = kept_frames(frames(end), rng)
     x = SPACING * (np.arange(int(round(reach / SPACING))) + 0.5)
     at = np.maximum(time - ahead, 0.0)

@@ -14,6 +14,9 @@ from fvcollapse.case.case import GRAVITY
 from fvcollapse.measure.pile import front_position
 
 REST = 0.05  # m/s; friction of a force rises linearly up to this speed, so that rest stays rest
+# of the error of a model: largest relative standard deviations of thickness and reach (two codes with the same
+# equations differ by 4 % in the thickness), number of waves, and the time after which it is there [s]
+HEIGHT_ERROR, REACH_ERROR, ERROR_WAVES, ONSET = 0.06, 0.02, 8, 0.1
 BRAKE_MAX = 0.5  # largest part of the velocity that a force takes in one step
 
 
@@ -128,7 +131,38 @@ def fallen_grains(reading, threshold, view):
     return view._replace(volume=np.column_stack([view.time, area / most - 1.0]))
 
 
+def smooth_error(reading, threshold, view):
+    """Another code: the pile reaches farther or less far, and is thicker here and thinner there, by a little.
+
+    At t = 0 the column is as it was set up, and every profile keeps its area.
+    """
+    waves = np.asarray(reading["waves"])  # (n, 2): 1/m and 1/s
+    phases, size = np.asarray(reading["phases"]), (2.0 / len(waves)) ** 0.5
+
+    def pattern(x, time):
+        """A smooth function of unit variance that vanishes at t = 0."""
+        angle = np.multiply.outer(x, waves[:, 0]) + np.multiply.outer(time, waves[:, 1]) + phases
+        return size * np.cos(angle).sum(axis=-1) * (1.0 - np.exp(-time / ONSET))
+
+    def stretch(time):
+        """Factor on the lengths along the bed."""
+        return 1.0 + reading["reach"] * pattern(np.zeros_like(time), time)
+
+    grid_t, grid_x = np.meshgrid(view.time, view.x, indexing="ij")
+    place = grid_x / stretch(view.time)[:, None]
+    factor = np.maximum(1.0 + reading["height"] * pattern(grid_x, grid_t), 0.0)
+    moved = [
+        np.array([np.interp(at, view.x, row) for at, row in zip(place, rows, strict=True)]) * factor
+        for rows in (view.thickness, view.static_height)
+    ]
+    before, after = (trapezoid(rows, view.x, axis=1) for rows in (view.thickness, moved[0]))
+    kept = (before / np.maximum(after, 1.0e-300))[:, None]
+    front = np.column_stack([view.front[:, 0], view.front[:, 1] * stretch(view.front[:, 0])])
+    return view._replace(front=front, thickness=moved[0] * kept, static_height=moved[1] * kept)
+
+
 READINGS = {
+    "smooth_error": smooth_error,
     "magnification": magnification,
     "clock": clock,
     "grain_loss": grain_loss,
@@ -141,6 +175,18 @@ def read_wrongly(readings, threshold, view):
     for reading in readings:
         view = READINGS[reading["kind"]](reading, threshold, view)
     return view
+
+
+def draw_smooth_error(rng, size, lengths):
+    """A `smooth_error` of a size in (0, 1) that varies over some length [m] and time [s]."""
+    waves = rng.standard_normal((ERROR_WAVES, 2)) / lengths
+    return {
+        "kind": "smooth_error",
+        "height": HEIGHT_ERROR * float(size),
+        "reach": REACH_ERROR * float(size),
+        "waves": waves.tolist(),
+        "phases": rng.uniform(0.0, 2.0 * np.pi, ERROR_WAVES).tolist(),
+    }
 
 
 # -- the kinds of unknown ----------------------------------------------------------------------------------

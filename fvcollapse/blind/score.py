@@ -19,7 +19,7 @@ SEPARABLE = 3.0  # d of diagnosis: distance to the nearest other hypothesis in s
 ALWAYS = "lateral_friction"  # the guess that explains a channel best on the average
 
 
-def score(folder, answers, labels, against=(), separability=None):
+def score(folder, answers, labels, against=(), separability=None, strengths=None):
     """All scores of some answers.
 
     Parameters
@@ -35,6 +35,8 @@ def score(folder, answers, labels, against=(), separability=None):
         Other answers to the same cases.
     separability : str or Path, optional
         JSON {case: d}: distance of the true cause to the nearest other hypothesis, at its true strength.
+    strengths : sequence of str, optional
+        Only cases of worlds of these strengths count; see `worlds`.
 
     Raises
     ------
@@ -43,21 +45,46 @@ def score(folder, answers, labels, against=(), separability=None):
     """
     folder, plan = Path(folder), read_labels(labels)
     seal, checked = check_seal(folder, plan, labels)
-    given = read_answers(answers, plan["cases"])
-    outcomes = outcomes_of(plan["cases"], given)
+    every = read_answers(answers, plan["cases"])
+    cases = {
+        name: entry
+        for name, entry in plan["cases"].items()
+        if strengths is None or entry["label"]["world"]["strength"] in strengths
+    }
+    given = {name: every[name] for name in cases}
+    outcomes = outcomes_of(cases, given)
     table = {"seal": seal, "data_checked": checked} | all_scores(outcomes)
-    table["parameters"] = parameter_scores(parameter_rows(plan["cases"], given))
+    table["worlds"] = len({entry["label"]["world"]["name"] for entry in cases.values()})
+    table["by_laboratory"] = by_laboratory(cases, outcomes)
+    table["parameters"] = parameter_scores(parameter_rows(cases, given))
     named = [
         answer for answer in given.values() if answer["verdict"] in NAMED and "reduction" in answer
     ]
     table["reduction"] = reduction_scores([answer["reduction"] for answer in named])
     if separability is not None:
         distances = read_distances(separability, plan["cases"])
-        table["by_separability"] = by_separability(plan["cases"], outcomes, distances)
-    table["baselines"] = baselines(plan["cases"], outcomes)
+        table["by_separability"] = by_separability(cases, outcomes, distances)
+    table["baselines"] = baselines(cases, outcomes)
     for path in against:
-        other = outcomes_of(plan["cases"], read_answers(path, plan["cases"]))
-        table["baselines"][Path(path).stem] = summary(outcomes, other)
+        other = read_answers(path, plan["cases"])
+        table["baselines"][Path(path).stem] = summary(outcomes, outcomes_of(cases, other))
+    return table
+
+
+def by_laboratory(cases, outcomes):
+    """`ranking` by strength and statement of the world, number of its controls, and number of experiments."""
+    keys = {
+        "strength": lambda label: label["world"]["strength"],
+        "statement": lambda label: label["world"]["statement"],
+        "controls": lambda label: str(len(label["world"]["controls"])),
+        "experiments": lambda label: str(len(label["experiments"])),
+    }
+    table = {}
+    for axis, key in keys.items():
+        groups = {}
+        for entry, outcome in zip(cases.values(), outcomes, strict=True):
+            groups.setdefault(key(entry["label"]), []).append(outcome)
+        table[axis] = {value: ranking(group) for value, group in sorted(groups.items())}
     return table
 
 
@@ -121,17 +148,14 @@ def parameter_rows(cases, answers):
 
 
 def by_separability(cases, outcomes, distances):
-    """`ranking` of single effects that the data can separate from all others, and of the other single effects."""
-    single = [
-        (distances[name], outcome)
-        for name, outcome in zip(cases, outcomes, strict=True)
-        if class_of(outcome.truth) == "single" and name in distances
-    ]
-    groups = {
-        "separable": [outcome for d, outcome in single if d >= SEPARABLE],
-        "not_separable": [outcome for d, outcome in single if d < SEPARABLE],
-    }
-    return {"d": SEPARABLE} | {name: ranking(group) for name, group in groups.items() if group}
+    """`ranking` of single effects, and of pairs, that the data can separate from all others, and of the other ones."""
+    groups = {}
+    for name, outcome in zip(cases, outcomes, strict=True):
+        if class_of(outcome.truth) in ("single", "pair") and name in distances:
+            part = "separable" if distances[name] >= SEPARABLE else "not_separable"
+            pair = "_pairs" if class_of(outcome.truth) == "pair" else ""
+            groups.setdefault(part + pair, []).append(outcome)
+    return {"d": SEPARABLE} | {name: ranking(group) for name, group in sorted(groups.items())}
 
 
 def baselines(cases, outcomes):

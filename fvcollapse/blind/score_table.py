@@ -18,13 +18,15 @@ def scores_text(table):
 def table(scores):
     """The main scores as plain text."""
     single = scores["by_class"].get("single", {})
-    separable = scores.get("by_separability", {}).get("separable", {})
+    apart = scores.get("by_separability", {})
+    separable, pairs = apart.get("separable", {}), apart.get("separable_pairs", {})
     alarms, calibration = scores["alarms"], scores["calibration"]
     rows = [
         ("first name right", scores["all"]["top_1"]),
         ("among the first two", scores["all"]["top_2"]),
         ("first name right, single effects", single.get("top_1")),
         ("the same where the data can tell", separable.get("top_1")),
+        ("two effects, both visible", pairs.get("top_1")),
         ("truth in the set", scores["all"]["set_holds_truth"]),
         ("mean size of the set", scores["all"]["mean_set_size"]),
         ("false alarms where there is nothing", alarms["false_alarm_on_none"]),

@@ -1,6 +1,7 @@
-"""The set-ups of the synthetic experiments, and what the laboratory states of them.
+"""The set-ups of the synthetic experiments, and what a laboratory states of them.
 
-Every label has the same statement: set-up, material as the laboratory believes it, and standard deviations.
+Every experiment of a laboratory has the same statement of its material; how well the set-up is known, and whether its
+errors are common to all experiments, is one of two `STATEMENTS`.
 """
 
 from math import inf
@@ -15,41 +16,66 @@ BELIEVED = {  # what the laboratory states of its grains and of the gate
     "boundary.mu_bed": inf,
     "boundary.mu_back_wall": 0.30,
     "gate.speed": 2.3,
-    "geometry.height_0": 0.14,
-    "geometry.length_0": 0.20,
     "front.thickness": 0.005,
 }
-# standard deviations: of what belongs to all runs of a case, and of what is set up anew for each
+# standard deviations: of what belongs to all runs of a laboratory
 MATERIAL_SD = {
     "rheology.mu_1": 0.015,
     "rheology.mu_2": 0.03,
     "rheology.I_0": 0.056,
     "boundary.mu_back_wall": 0.05,
 }
-SET_UP_SD = {
-    "geometry.slope_angle_deg": 0.2,
-    "geometry.height_0": 0.0014,
-    "geometry.length_0": 0.0015,
-    "gate.speed": 0.1,
+
+
+class Statement(NamedTuple):
+    """What is stated of a set-up: standard deviations by case key, that of the clock [s], whether errors are common."""
+
+    sd: dict
+    time: float
+    common: bool
+
+
+STATEMENTS = {
+    "careful": Statement(  # every experiment is set up anew and measured well
+        {
+            "geometry.slope_angle_deg": 0.2,
+            "geometry.height_0": 0.0014,
+            "geometry.length_0": 0.0015,
+            "gate.speed": 0.1,
+        },
+        0.005,
+        False,
+    ),
+    "one_tank": Statement(  # one tank, gate and camera for all, not well known
+        {
+            "geometry.slope_angle_deg": 0.4,
+            "geometry.height_0": 0.005,
+            "geometry.length_0": 0.003,
+            "gate.speed": 0.3,
+        },
+        0.010,
+        True,
+    ),
 }
-ERRORS = Errors(
-    thickness=0.0012,
-    front=0.005,
-    relative_volume=0.005,
-    interface=0.0025,
-    scale=SET_UP_SD["geometry.height_0"] / BELIEVED["geometry.height_0"],
-    offset=SET_UP_SD["geometry.length_0"],
-    time=0.005,
-)
 
 
 class SetUp(NamedTuple):
-    """One experiment: slope [deg], channel width [m], last frame [s], last place on the film [m]."""
+    """One experiment: slope [deg], channel width [m], last frame [s], last place on the film [m], column [m]."""
 
     slope: float
     width: float
     end: float
     reach: float
+    height: float = 0.14
+    length: float = 0.20
+
+    def stated(self):
+        """Case keys that are stated of this set-up."""
+        return BELIEVED | {
+            "geometry.slope_angle_deg": self.slope,
+            "geometry.height_0": self.height,
+            "geometry.length_0": self.length,
+        }
 
 
 SET_UPS = {
@@ -59,26 +85,60 @@ SET_UPS = {
     "slope16_width05": SetUp(16.0, 0.05, 1.32, 1.20),
     "slope16_width20": SetUp(16.0, 0.20, 1.32, 1.20),
     "slope20_width10": SetUp(20.0, 0.10, 1.68, 1.60),
+    "slope04_width07": SetUp(4.0, 0.07, 0.84, 0.75),
+    "slope08_width14": SetUp(8.0, 0.14, 0.96, 0.85),
+    "slope13_width07": SetUp(13.0, 0.07, 1.20, 1.05),
+    "slope13_width14": SetUp(13.0, 0.14, 1.20, 1.05),
+    "slope13_width07_tall": SetUp(13.0, 0.07, 1.24, 1.10, 0.18, 0.15),
+    "slope18_width14": SetUp(18.0, 0.14, 1.48, 1.40),
 }
-DESIGNS = (  # the experiments of a case
+CONTROL = "control_"  # before the name of the set-up of a control
+TRAINING_DESIGNS = (  # the experiments of a case
     ("slope10_width10", "slope16_width10", "slope20_width10"),
     ("slope16_width05", "slope16_width10", "slope16_width20"),
     ("slope00_width10", "slope16_width10", "slope16_width20"),
     ("slope10_width10", "slope16_width05"),
     ("slope16_width10",),
 )
+BLIND_DESIGNS = (
+    ("slope04_width07", "slope13_width07", "slope18_width14"),
+    ("slope08_width14", "slope13_width14", "slope18_width14"),
+    ("slope13_width07", "slope13_width07_tall"),
+    ("slope04_width07", "slope13_width14"),
+    ("slope13_width14",),
+)
 
 
-def settings_text(name):
-    """`experiment.toml` of a set-up; nothing in it depends on a label."""
-    set_up = SET_UPS[name]
+def set_up_of(name):
+    """The `SetUp` of an experiment or a control."""
+    return SET_UPS[name.removeprefix(CONTROL)]
+
+
+def errors_of(set_up, statement, quality):
+    """The `Errors` of the film of a set-up; `quality` multiplies the errors of single readings."""
+    sd = STATEMENTS[statement].sd
+    return Errors(
+        thickness=0.0012 * quality,
+        front=0.005 * quality,
+        relative_volume=0.005 * quality,
+        interface=0.0025 * quality,
+        scale=sd["geometry.height_0"] / set_up.height,
+        offset=sd["geometry.length_0"],
+        time=STATEMENTS[statement].time,
+    )
+
+
+def settings_text(name, statement, quality=1.0):
+    """`experiment.toml` of an experiment or a control; nothing in it depends on what is hidden."""
+    set_up, stated = set_up_of(name), STATEMENTS[statement]
+    errors, common = errors_of(set_up, statement, quality), str(stated.common).lower()
     return f"""title = "synthetic collapse, {set_up.slope:g} deg, w = {100 * set_up.width:g} cm"
 source = "fvcollapse blind"
 
 [geometry]
 slope_angle_deg = {set_up.slope}
-height_0 = {BELIEVED["geometry.height_0"]}
-length_0 = {BELIEVED["geometry.length_0"]}
+height_0 = {set_up.height}
+length_0 = {set_up.length}
 channel_width = {set_up.width}
 
 [gate]
@@ -91,19 +151,26 @@ I_0 = {BELIEVED["rheology.I_0"]}
 mu_back_wall = {BELIEVED["boundary.mu_back_wall"]}
 
 [uncertainty]
-thickness = {ERRORS.thickness}
-front = {ERRORS.front}
-relative_volume = {ERRORS.relative_volume}
-interface = {ERRORS.interface}
-time = {ERRORS.time}
-slope_angle_deg = {SET_UP_SD["geometry.slope_angle_deg"]}
-height_0 = {SET_UP_SD["geometry.height_0"]}
-length_0 = {SET_UP_SD["geometry.length_0"]}
-speed = {SET_UP_SD["gate.speed"]}
+thickness = {errors.thickness:.6g}
+front = {errors.front:.6g}
+relative_volume = {errors.relative_volume:.6g}
+interface = {errors.interface:.6g}
+time = {errors.time}
+slope_angle_deg = {stated.sd["geometry.slope_angle_deg"]}
+height_0 = {stated.sd["geometry.height_0"]}
+length_0 = {stated.sd["geometry.length_0"]}
+speed = {stated.sd["gate.speed"]}
 mu_1 = {MATERIAL_SD["rheology.mu_1"]}
 mu_2 = {MATERIAL_SD["rheology.mu_2"]}
 I_0 = {MATERIAL_SD["rheology.I_0"]}
 mu_back_wall = {MATERIAL_SD["boundary.mu_back_wall"]}
+
+[common]
+slope_angle_deg = {common}
+height_0 = {common}
+length_0 = {common}
+speed = {common}
+time = {common}
 
 [front]
 thickness = {BELIEVED["front.thickness"]}

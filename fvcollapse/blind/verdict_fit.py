@@ -34,7 +34,14 @@ PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
 FOLDS = 5
 
 
-def fit(suite, effects, about=None, kinds=None):
+class Origin(NamedTuple):
+    """Where a case comes from: the name of its world, and the kind of what is unknown in it (or None)."""
+
+    world: str
+    kind: str | None = None
+
+
+def fit(suite, effects, about=None, origins=None):
     """The `VerdictModel` of a suite.
 
     Parameters
@@ -45,8 +52,9 @@ def fit(suite, effects, about=None, kinds=None):
         Effects of the catalogue.
     about : dict, optional
         What the suite is, kept with the model.
-    kinds : sequence of str or None, optional
-        Kind of each unknown: its conformal scores are of models that have not seen its kind.
+    origins : sequence of Origin, optional
+        Of each case: its conformal score is of a model that has seen neither its world nor its kind of unknown.
+        Default: every case is a world of its own.
 
     Raises
     ------
@@ -72,7 +80,7 @@ def fit(suite, effects, about=None, kinds=None):
         ~np.isnan(own[:, :, 0]),
         np.array([classes.index(name) for name in truth]),
     )
-    scores = out_of_fold(table, classes, kinds)
+    scores = out_of_fold(table, classes, origins)
     slopes, case_slopes, intercept = regression(table, classes)
     return VerdictModel(
         effects=effects,
@@ -162,24 +170,34 @@ def regression(table, classes):
     return effect * shared + own, case, intercept
 
 
-def out_of_fold(table, classes, kinds=None, seed=0):
-    """1 - probability of the true class, (m,), each case judged by a model fitted without its fold.
-
-    Cases of one kind are in one fold: what is unknown is of a kind that was never seen.
-    """
-    truth = table.truth
-    fold, rng = np.empty(len(truth), int), np.random.default_rng(seed)
-    for name in range(len(classes)):
-        own = np.flatnonzero(truth == name)
-        fold[own] = rng.permutation(len(own)) % FOLDS
-    kinds = np.array([kind or "" for kind in kinds or [None] * len(truth)])
-    several = sorted(set(kinds) - {""})
-    for number, kind in enumerate(several if len(several) > 1 else ()):
-        fold[kinds == kind] = number % FOLDS
-    scores = np.empty(len(truth))
-    for number in range(FOLDS):
-        own = table.of(fold == number)
-        found = regression(table.of(fold != number), classes)
+def out_of_fold(table, classes, origins=None, seed=0):
+    """1 - probability of the true class, (m,), each case judged by a model fitted without its world and its kind."""
+    if origins is None:
+        origins = [Origin(f"{number}") for number in range(len(table.truth))]
+    scores = np.empty(len(table.truth))
+    for judged, teaching in left_out(origins, seed):
+        own = table.of(judged)
+        found = regression(table.of(teaching), classes)
         shares = softmax(logits(*own[:-1], found))
-        scores[fold == number] = 1.0 - shares[np.arange(len(own.truth)), own.truth]
+        scores[judged] = 1.0 - shares[np.arange(len(own.truth)), own.truth]
     return scores
+
+
+def left_out(origins, seed=0, folds=FOLDS):
+    """Pairs (indices of cases to judge, indices of those that teach): neither their worlds nor their kinds of unknown.
+
+    Worlds are dealt to the folds at random, largest first, whole: every case is judged once.
+    """
+    rng = np.random.default_rng(seed)
+    world = np.array([origin.world for origin in origins])
+    kind = np.array([origin.kind or "" for origin in origins])
+    names, sizes = np.unique(world, return_counts=True)
+    order = rng.permutation(len(names))
+    order = order[np.argsort(-sizes[order], kind="stable")]
+    fold_of = dict(zip(names[order].tolist(), (np.arange(len(names)) % folds).tolist(), strict=True))
+    fold = np.array([fold_of[name] for name in world])
+    for number in range(folds):
+        for each in np.unique(kind[fold == number]):
+            judged = (fold == number) & (kind == each)
+            teaching = (fold != number) & ((kind != each) | (kind == ""))
+            yield np.flatnonzero(judged), np.flatnonzero(teaching)

@@ -10,13 +10,14 @@ from fvcollapse.blind.labels import Draw, read_labels
 from fvcollapse.blind.make import make
 from fvcollapse.blind.metrics import all_scores
 from fvcollapse.blind.outcomes import Outcome
-from fvcollapse.blind.verdict_fit import FOLDS, fit
+from fvcollapse.blind.verdict_fit import Origin, fit, left_out
+from fvcollapse.blind.worlds import SLIGHT
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.verdict import verdict
-from fvcollapse.diagnosis.verdict_features import class_of
 from fvcollapse.studies.workers import HERE
 
-SHARES = {NONE: 1.5, UNKNOWN: 1.5, SEVERAL: 1.0}  # cases of a class over those of an effect
+SHARES = {NONE: 4.0, UNKNOWN: 3.0, SEVERAL: 3.0}  # cases of a class over those of an effect
+PER_WORLD = 5  # cases of a training world
 
 
 def training_classes(per_class, seed):
@@ -38,82 +39,67 @@ def training_classes(per_class, seed):
 
 def make_training(classes, folder, seed, resources=HERE):
     """Make a training suite of these causes; see `make`."""
-    return make(len(classes), folder, None, Draw(TRAINING, classes, seed), resources)
+    return make(len(classes), folder, None, Draw(TRAINING, classes, seed, per_world=PER_WORLD), resources)
 
 
 def read_suite(out, labels):
-    """{case: (Evidence, entry of the labels)} of a suite whose labels are known."""
+    """{case: (Evidence, label)} of a suite whose labels are known."""
     cases = read_labels(labels)["cases"]
     return {
-        name: (read_evidence(Path(out) / f"{name}.json")[1], entry)
+        name: (read_evidence(Path(out) / f"{name}.json")[1], entry["label"])
         for name, entry in cases.items()
         if (Path(out) / f"{name}.json").exists()
     }
 
 
-def train(suites, about=None):
-    """The `VerdictModel` of one or more suites.
+def teachers(suites, controls):
+    """The (Evidence, label) pairs of suites that may teach a layer.
 
-    Kinds of unknown that blind suites hide are left out: the next blind suite hides them too.
+    Kinds of unknown that blind suites hide are left out: the next blind suite hides them too. Without controls only
+    `slight` worlds teach: in a `strong` one what is hidden in the world itself is a right answer too.
 
     Parameters
     ----------
     suites : sequence of (str or Path, str or Path)
         Folder of the evidence, and labels, of each.
+    controls : bool
+        Whether the evidence is one with controls.
     """
-    return fit_to([pair for suite in suites for pair in read_suite(*suite).values()], about)
+    pairs = [pair for suite in suites for pair in read_suite(*suite).values()]
+    return [pair for pair in pairs if may_teach(pair[1], controls)]
 
 
-def may_teach(pair):
-    """Whether an (Evidence, entry of the labels) hides no kind of unknown that is kept for blind suites."""
-    return pair[1]["label"]["unknown_kind"] not in BLIND.unknowns
+def may_teach(label, controls):
+    """Whether a label may teach a layer; see `teachers`."""
+    unseen = label["unknown_kind"] not in BLIND.unknowns
+    return unseen and (controls or label["world"]["strength"] == SLIGHT)
 
 
-def fit_to(pairs, about=None):
-    """The `VerdictModel` of (Evidence, entry of the labels) pairs, of those that may teach."""
-    pairs = [pair for pair in pairs if may_teach(pair)]
-    cases = [(evidence, entry["label"]["cause"]) for evidence, entry in pairs]
-    kinds = [entry["label"]["unknown_kind"] for _, entry in pairs]
-    return fit(cases, known_effects(), about, kinds)
+def origin_of(label):
+    """The `Origin` of a label."""
+    return Origin(label["world"]["name"], label["unknown_kind"])
 
 
-def cross_validated(suites, folds=FOLDS, leave_kind_out=True, seed=0):
-    """All scores of suites whose every case is judged by a model that was fitted without it.
+def train(pairs, about=None):
+    """The `VerdictModel` of (Evidence, label) pairs."""
+    cases = [(evidence, label["cause"]) for evidence, label in pairs]
+    return fit(cases, known_effects(), about, [origin_of(label) for _, label in pairs])
 
-    Parameters
-    ----------
-    suites : sequence of (str or Path, str or Path)
-        See `train`.
-    leave_kind_out : bool
-        A model that judges a kind of unknown is fitted without that kind.
-    """
-    cases = [pair for suite in suites for pair in read_suite(*suite).values()]
-    part = parts_of([entry["label"] for _, entry in cases], folds, leave_kind_out, seed)
-    outcomes = []
-    for number in np.unique(part):
-        model = fit_to([case for case, of in zip(cases, part, strict=True) if of != number])
-        for (evidence, entry), of in zip(cases, part, strict=True):
-            if of == number:
-                judged, label = verdict(evidence, model), entry["label"]
-                answer = judged.kind, judged.probability, judged.set
-                outcomes.append(Outcome(label["cause"], label["unknown_kind"], *answer))
+
+def cross_validated(pairs, seed=0):
+    """All scores of pairs, each judged by a model that has seen neither its world nor its kind of unknown."""
+    origins, outcomes = [origin_of(label) for _, label in pairs], []
+    for judged, teaching in left_out(origins, seed):
+        model = train([pairs[number] for number in teaching])
+        for evidence, label in (pairs[number] for number in judged):
+            answer = verdict(evidence, model)
+            outcomes.append(
+                Outcome(
+                    label["cause"],
+                    label["unknown_kind"],
+                    answer.kind,
+                    answer.probability,
+                    answer.set,
+                )
+            )
     return all_scores(outcomes)
-
-
-def parts_of(labels, folds, leave_kind_out, seed):
-    """Number of the part that each case is left out with: its fold, or its kind of unknown.
-
-    The cases of a class are spread evenly over the folds, at random.
-    """
-    rng, groups = np.random.default_rng(seed), {}
-    for number, label in enumerate(labels):
-        kind = label["unknown_kind"] if leave_kind_out else None
-        groups.setdefault((class_of(label["cause"]), kind), []).append(number)
-    kinds = sorted({kind for _, kind in groups if kind})
-    part = np.empty(len(labels), int)
-    for (_, kind), members in groups.items():
-        if kind is None:
-            part[rng.permutation(members)] = np.arange(len(members)) % folds
-        else:
-            part[members] = folds + kinds.index(kind)
-    return part

@@ -198,12 +198,13 @@ def cost_of(question, runner, seconds):
 def verdict_model_for(analysis):
     """The `VerdictModel` if it was fitted to data like these; else None.
 
-    It was fitted to films, on cells of `usual_cell_size`, without controls, with some of the effects.
+    It was fitted to films, on cells of `usual_cell_size`, with some of the effects; diagnoses with controls have a
+    model of their own.
     """
     values = np.count_nonzero(analysis.points.kind == "value")
-    if analysis.controls or values < FILMED or analysis.question.coarse_cells:
+    if values < FILMED or analysis.question.coarse_cells:
         return None
-    model = VerdictModel.load()
+    model = VerdictModel.load(controls=bool(analysis.controls))
     return model if model is not None and model.judges(analysis.evidence) else None
 
 

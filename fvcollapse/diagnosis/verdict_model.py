@@ -27,7 +27,9 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 
 FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3
+# of diagnoses without controls, and with them
 SHIPPED = Path(__file__).with_name("verdict_model.json")
+SHIPPED_CONTROLS = Path(__file__).with_name("verdict_model_controls.json")
 # probability of each class before any data; single effects share the rest
 PRIOR = {NONE: 0.25, UNKNOWN: 0.15, SEVERAL: 0.05}
 FARTHEST = 6.0  # standard deviations at which a feature is cut off
@@ -73,17 +75,25 @@ class VerdictModel:
     about: dict = field(default_factory=dict)
 
     @classmethod
-    def load(cls, path=None):
+    def load(cls, path=None, controls=False):
         """The model in a file; of the package, if it ships one, else None.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            Default: that of the package.
+        controls : bool
+            Of the package that of diagnoses with controls.
 
         Raises
         ------
         InputError
             The file is not what was written.
         """
-        if path is None and not SHIPPED.exists():
+        shipped = SHIPPED_CONTROLS if controls else SHIPPED
+        if path is None and not shipped.exists():
             return None
-        return from_json(read_text(path or SHIPPED, "JSON"), path or SHIPPED)
+        return from_json(read_text(path or shipped, "JSON"), path or shipped)
 
     def save(self, path=SHIPPED):
         """Write the model with its hash."""

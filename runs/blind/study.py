@@ -1,20 +1,22 @@
 """The blind check of the diagnosis, step by step; what is finished is not computed again.
 
-    python -m runs.blind.study training   [--per-class 40 --first 300]  training suite, out/blind/training
-    python -m runs.blind.study fit                          its evidence, and the verdict layer fitted to it
-    python -m runs.blind.study make       [--cases 220]     the blind suite; commit runs/blind/SEAL.json
+    python -m runs.blind.study training   [--per-class 18]  training worlds, out/blind/training
+    python -m runs.blind.study fit                          their evidence, and the two verdict layers fitted to it
+    python -m runs.blind.study make       [--cases 240]     the sealed suite; commit runs/blind/SEAL.json
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
-    python -m runs.blind.study reduce     [--ladders 60]    whole diagnoses with an experiment held out
+    python -m runs.blind.study reduce     [--ladders 40]    whole diagnoses with an experiment held out
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
-    python -m runs.blind.study restamp    --note "REASON"   the shipped layer, as of the present solver
+    python -m runs.blind.study restamp    --note "REASON"   the shipped layers, as of the present solver
 
-The labels stay in out/blind until the seal is opened. `answer` and `reduce` read no label; `score` does,
-and also computes how far every true cause is from its nearest rival. A suite that has been scored is used up:
-after a change of the diagnosis make another one (--out), and let the old one teach (fit --used-up).
+Every case belongs to a world, a laboratory with hidden physics and controls of its own. It is diagnosed twice, alone
+and with the controls; without them only worlds whose own physics is slight are scored. The labels stay in out/blind
+until the seal is opened. `answer` and `reduce` read no label; `score` does, and also computes how far every true
+cause is from its nearest rival. A suite that has been scored is used up: after a change of the diagnosis make another
+one (--out), and let the old one teach (fit --used-up).
 
-`restamp` marks the verdict layer as of the present solver without fitting it again. It is right only if the
+`restamp` marks the verdict layers as of the present solver without fitting them again. It is right only if the
 present solver gives the same numbers, bit by bit, as the one of the training suite; the note says how
-that was shown, and stays in the file with the earlier version.
+that was shown, and stays in the files with the earlier version.
 """
 
 import json
@@ -37,14 +39,16 @@ from fvcollapse.blind.simple_rules import SIMPLE
 from fvcollapse.blind.verdict_training import (
     cross_validated,
     make_training,
+    teachers,
     train,
     training_classes,
 )
+from fvcollapse.blind.worlds import SLIGHT
 from fvcollapse.diagnosis.analysis import REFINEMENTS
 from fvcollapse.diagnosis.diagnose import diagnose
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.diagnosis.report import FILE_NAME, read_report
-from fvcollapse.diagnosis.verdict_model import SHIPPED, VerdictModel, solver_of
+from fvcollapse.diagnosis.verdict_model import SHIPPED, SHIPPED_CONTROLS, VerdictModel, solver_of
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.studies.workers import Resources
@@ -52,14 +56,14 @@ from runs.study import Study
 from runs.study import main as call
 
 REDUCTIONS = "reductions.json"
+WAYS = {False: "", True: "_controls"}  # of a diagnosis, without controls and with them: ends of file names
+NAMES_OF_WAYS = {False: "alone", True: "controls"}
 TRAINING_SEED = 2026
 
 
 def add_options(parser):
     """Options of this study."""
-    parser.add_argument("--per-class", type=int, default=40, help="cases of an effect; default 40")
-    parser.add_argument("--first", type=int, help="only the first training cases; default all")
-    parser.add_argument("--nothing", type=int, default=60, help="further cases of none; default 60")
+    parser.add_argument("--per-class", type=int, default=18, help="cases of an effect; default 18")
     parser.add_argument(
         "--used-up",
         metavar="FOLDER",
@@ -68,20 +72,24 @@ def add_options(parser):
         default=[],
         help="--out of blind suites that have been scored: more cases to fit",
     )
-    parser.add_argument("--cases", type=int, default=220, help="blind cases; default 220")
-    parser.add_argument("--ladders", type=int, default=60, help="whole diagnoses; default 60")
+    parser.add_argument("--cases", type=int, default=240, help="blind cases; default 240")
+    parser.add_argument("--ladders", type=int, default=40, help="whole diagnoses; default 40")
     parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
-    parser.add_argument("--layer", type=Path, default=SHIPPED, help="verdict layer to restamp")
+    parser.add_argument(
+        "--layer",
+        type=Path,
+        nargs="*",
+        default=[SHIPPED, SHIPPED_CONTROLS],
+        help="verdict layers to restamp",
+    )
     parser.add_argument("--note", help="why a restamp is right; required by it")
 
 
 def make_training_suite(arguments):
-    """Truths of the training suite."""
+    """Truths of the training worlds."""
     resources = Resources(arguments.workers, quiet=False)
-    classes = training_classes(arguments.per_class, TRAINING_SEED)[: arguments.first]
+    classes = training_classes(arguments.per_class, TRAINING_SEED)
     make_training(classes, arguments.out / "training", TRAINING_SEED, resources)
-    nothing = [NONE] * arguments.nothing
-    make_training(nothing, arguments.out / "training_none", TRAINING_SEED + 1, resources)
 
 
 def options_of(arguments):
@@ -95,30 +103,37 @@ def options_of(arguments):
     }
 
 
-def compare(arguments, folder, suite):
+def compare(arguments, folder, suite, controls):
     """Folder of the evidence of a suite; cases that could not be compared are reported on stderr."""
-    out = folder / f"{suite}.evidence"
-    failed = study(folder / suite, out, **options_of(arguments))
+    out = folder / f"{suite}.evidence{WAYS[controls]}"
+    failed = study(folder / suite, out, controls=controls, **options_of(arguments))
     for name, error in failed.items():
         print(f"{name}: {error}", file=sys.stderr)
     return out
 
 
 def fit_verdict(arguments):
-    """Evidence of the training suite, the verdict layer, and its scores on cases left out."""
-    places = [(arguments.out, name) for name in ("training", "training_none")]
+    """Evidence of the training worlds, the verdict layers, and their scores on worlds left out."""
+    places = [(arguments.out, "training")]
     places += [(folder, "blind") for folder in arguments.used_up]
-    suites = [
-        (compare(arguments, folder, name), folder / f"{name}.labels.json")
-        for folder, name in places
-    ]
-    about = {"seed": TRAINING_SEED, "per_class": arguments.per_class, "first": arguments.first}
-    about["used_up"] = len(arguments.used_up)
-    model = train(suites, about)
-    model.save()
-    scores = cross_validated(suites)
+    scores = {}
+    for controls, way in WAYS.items():
+        suites = [
+            (compare(arguments, folder, name, controls), folder / f"{name}.labels.json")
+            for folder, name in places
+        ]
+        pairs = teachers(suites, controls)
+        about = {"seed": TRAINING_SEED, "per_class": arguments.per_class}
+        about |= {"controls": controls, "used_up": len(arguments.used_up)}
+        train(pairs, about).save(SHIPPED_CONTROLS if controls else SHIPPED)
+        scores[NAMES_OF_WAYS[controls]] = cross_validated(pairs)
+        print(f"scores{way}", table_of(scores[NAMES_OF_WAYS[controls]]))
     write_scores(arguments.tables / "training_scores.json", scores)
-    print(json.dumps({name: scores[name] for name in ("all", "alarms", "calibration")}, indent=1))
+
+
+def table_of(scores):
+    """The main numbers of a fit as JSON."""
+    return json.dumps({name: scores[name] for name in ("all", "alarms", "calibration")}, indent=1)
 
 
 def make_blind_suite(arguments):
@@ -130,21 +145,22 @@ def make_blind_suite(arguments):
 
 
 def answer_blind_suite(arguments):
-    """Answers of the diagnosis and of simple rules."""
-    path = arguments.tables / "answers.json"
-    if path.exists():
-        allowed = "no answers: a suite is answered once"
-        raise InputError(path, "file", "answers that are already there", allowed)
-    evidence = compare(arguments, arguments.out, "blind")
-    model = VerdictModel.load()
-    if model is None:
-        raise InputError(path, "verdict", "no fitted verdict layer", "the step fit before")
-    cases = [case.name for case in case_folders(arguments.out / "blind")]
-    for name in SIMPLE:
-        answered = answers(evidence, simple=name)
-        write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
-    write_answers(path, completed(answers(evidence, model), cases))
-    print(path)
+    """Answers of the diagnosis, alone and with controls, and of simple rules."""
+    for controls, way in WAYS.items():
+        path = arguments.tables / f"answers{way}.json"
+        if path.exists():
+            allowed = "no answers: a suite is answered once"
+            raise InputError(path, "file", "answers that are already there", allowed)
+        evidence = compare(arguments, arguments.out, "blind", controls)
+        model = VerdictModel.load(controls=controls)
+        if model is None:
+            raise InputError(path, "verdict", "no fitted verdict layer", "the step fit before")
+        cases = [case.name for case in case_folders(arguments.out / "blind")]
+        for name in () if controls else SIMPLE:
+            answered = answers(evidence, simple=name)
+            write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
+        write_answers(path, completed(answers(evidence, model), cases))
+        print(path)
 
 
 def completed(answered, cases):
@@ -180,38 +196,39 @@ def held_out_report(case, folder, arguments):
 
 
 def score_answers(arguments):
-    """Distances of the true causes, and all scores."""
+    """Distances of the true causes, and all scores, alone and with controls."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
     published, present = (read_seal(place / SEAL) for place in (arguments.tables, folder))
     if published != present:
         raise InputError(folder / SEAL, "file", "another seal", f"that of {arguments.tables}")
-    path = arguments.tables / "distances.json"
-    if not path.exists():
-        numbers = distances(folder, labels, **options_of(arguments))
-        write_atomic(path, (json.dumps(numbers, indent=1) + "\n").encode(), running=False)
-    against = [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
-    scores = score(folder, arguments.tables / "answers.json", labels, against, path)
+    scores = {}
+    for controls, way in WAYS.items():
+        path = arguments.tables / f"distances{way}.json"
+        if not path.exists():
+            numbers = distances(folder, labels, controls=controls, **options_of(arguments))
+            write_atomic(path, (json.dumps(numbers, indent=1) + "\n").encode(), running=False)
+        against = [] if controls else [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
+        answered = arguments.tables / f"answers{way}.json"
+        strengths = None if controls else (SLIGHT,)
+        scores[NAMES_OF_WAYS[controls]] = score(folder, answered, labels, against, path, strengths)
     if (arguments.tables / REDUCTIONS).exists():
         whole = json.loads((arguments.tables / REDUCTIONS).read_text(encoding="utf-8"))
         named = [answer for answer in whole.values() if answer["verdict"] in NAMED]
         rows = [answer["reduction"] for answer in named if "reduction" in answer]
-        scores["reduction"] = reduction_scores(rows)
+        scores["alone"]["reduction"] = reduction_scores(rows)
     write_scores(arguments.tables / "scores.json", scores)
-    print(table(scores))
+    for name, each in scores.items():
+        print(name, table(each), sep="\n")
 
 
 def restamp_verdict(arguments):
-    """Mark the verdict layer as of the present solver, with the reason."""
+    """Mark the verdict layers as of the present solver, with the reason."""
     note = (arguments.note or "").strip()
     if not note:
         raise InputError("command line", "--note", "none", "why both solvers give the same numbers")
-    model = VerdictModel.load(arguments.layer)
-    if model is None:
-        raise InputError(
-            "command line", "restamp", "no fitted verdict layer", "the step fit before"
-        )
-    restamped(model, note).save(arguments.layer)
-    print(arguments.layer)
+    for path in arguments.layer:
+        restamped(VerdictModel.load(path), note).save(path)
+        print(path)
 
 
 def restamped(model, note):
