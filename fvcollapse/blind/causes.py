@@ -126,7 +126,9 @@ def dealt(causes, hidden):
         others = (*range(number, len(causes)), *range(number))
         for other in others:
             fits = not set(causes[other].split("+")) & set(effects)
-            if fits and (other >= number or not set(causes[number].split("+")) & set(hidden[other])):
+            if fits and (
+                other >= number or not set(causes[number].split("+")) & set(hidden[other])
+            ):
                 causes[number], causes[other] = causes[other], causes[number]
                 break
     return causes

@@ -194,7 +194,9 @@ def left_out(origins, seed=0, folds=FOLDS):
     names, sizes = np.unique(world, return_counts=True)
     order = rng.permutation(len(names))
     order = order[np.argsort(-sizes[order], kind="stable")]
-    fold_of = dict(zip(names[order].tolist(), (np.arange(len(names)) % folds).tolist(), strict=True))
+    fold_of = dict(
+        zip(names[order].tolist(), (np.arange(len(names)) % folds).tolist(), strict=True)
+    )
     fold = np.array([fold_of[name] for name in world])
     for number in range(folds):
         for each in np.unique(kind[fold == number]):

@@ -39,7 +39,9 @@ def training_classes(per_class, seed):
 
 def make_training(classes, folder, seed, resources=HERE):
     """Make a training suite of these causes; see `make`."""
-    return make(len(classes), folder, None, Draw(TRAINING, classes, seed, per_world=PER_WORLD), resources)
+    return make(
+        len(classes), folder, None, Draw(TRAINING, classes, seed, per_world=PER_WORLD), resources
+    )
 
 
 def read_suite(out, labels):

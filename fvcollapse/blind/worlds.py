@@ -186,4 +186,3 @@ def world_seeds(count, rng):
     return {
         f"world_{number:0{digits}d}": int(rng.integers(2**63)) for number in range(1, count + 1)
     }
-

@@ -56,7 +56,10 @@ from runs.study import Study
 from runs.study import main as call
 
 REDUCTIONS = "reductions.json"
-WAYS = {False: "", True: "_controls"}  # of a diagnosis, without controls and with them: ends of file names
+WAYS = {
+    False: "",
+    True: "_controls",
+}  # of a diagnosis, without controls and with them: ends of file names
 NAMES_OF_WAYS = {False: "alone", True: "controls"}
 TRAINING_SEED = 2026
 

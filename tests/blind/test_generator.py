@@ -6,10 +6,18 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from fvcollapse.blind.causes import BLIND, TRAINING, draw_classes, draw_effect, known_effects
-from fvcollapse.blind.generator import draw_label
+from fvcollapse.blind.causes import (
+    BLIND,
+    TRAINING,
+    dealt,
+    draw_classes,
+    draw_effect,
+    known_effects,
+)
+from fvcollapse.blind.generator import draw_label, drawn_world
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.blind.set_ups import DESIGNS, SET_UPS, settings_text
+from fvcollapse.blind.set_ups import SET_UPS, STATEMENTS, settings_text
+from fvcollapse.blind.worlds import KINDS, SLIGHT, STRONG
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -19,29 +27,50 @@ STYLES = {"training": TRAINING, "blind": BLIND}
 CAUSES = (NONE, UNKNOWN, *known_effects(), "cohesion+gate")
 
 
+def world_without(cause, style, seed):
+    """A world that has no effect of a cause itself."""
+    while True:
+        world = drawn_world("world_01", style, seed)
+        if not set(cause.split("+")) & set(world["effects"]):
+            return world
+        seed += 1000
+
+
+def labels_of(cause, style, seeds, design=None):
+    """Labels of a cause, each in a world of its own."""
+    return [
+        draw_label(cause, style, seed, world_without(cause, style, seed), design) for seed in seeds
+    ]
+
+
 @pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
 @pytest.mark.parametrize("cause", CAUSES)
 def test_every_cause_makes_cases_that_the_solver_accepts(cause, style):
-    for seed in range(5):
-        label = draw_label(cause, style, seed)
+    for label in labels_of(cause, style, range(5)):
         assert label["cause"] == cause
-        for each in label["experiments"].values():
+        assert set(label["effects"]) == ({*cause.split("+")} - {NONE, UNKNOWN})
+        own = set(label["world"]["effects"])
+        hidden = [(each, own | set(label["effects"])) for each in label["experiments"].values()]
+        hidden += [(each, own) for each in label["world"]["controls"].values()]
+        for each, expected in hidden:
             case = case_from_text(each["case"])
             acting = {name for name in CATALOGUE if getattr(case.effects, name) is not None}
-            assert acting == set(label["effects"])
-            assert acting == ({*cause.split("+")} - {NONE, UNKNOWN})
+            assert acting == expected
 
 
 def test_a_label_is_a_function_of_its_seed_and_survives_json():
-    label = draw_label("gate", BLIND, 7)
-    assert draw_label("gate", BLIND, 7) == label
+    world = drawn_world("world_01", BLIND, 3)
+    assert drawn_world("world_01", BLIND, 3) == world
+    assert drawn_world("world_01", BLIND, 4) != world
+    label = draw_label("gate", BLIND, 7, world)
+    assert draw_label("gate", BLIND, 7, world) == label
     assert json.loads(json.dumps(label)) == label
-    assert draw_label("gate", BLIND, 8) != label
+    assert draw_label("gate", BLIND, 8, world) != label
 
 
 def test_every_kind_of_unknown_is_drawn_in_its_own_suite_only():
     kinds = {
-        name: {draw_label(UNKNOWN, style, seed)["unknown_kind"] for seed in range(80)}
+        name: {label["unknown_kind"] for label in labels_of(UNKNOWN, style, range(80))}
         for name, style in STYLES.items()
     }
     assert kinds == {name: set(style.unknowns) for name, style in STYLES.items()}
@@ -60,30 +89,63 @@ def test_training_and_blind_suite_share_no_grid_regularisation_or_closure():
             assert drawn[0] | drawn[1] == set(range(len(effect.variants)))
 
 
+def test_training_and_blind_worlds_share_no_physics_and_no_set_up():
+    assert not set(TRAINING.worlds) & set(BLIND.worlds)
+    assert set(TRAINING.worlds) | set(BLIND.worlds) == set(KINDS)
+    places = [{name for design in style.designs for name in design} for style in (TRAINING, BLIND)]
+    assert not places[0] & places[1]
+    assert places[0] | places[1] == set(SET_UPS)
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+def test_worlds_are_slight_or_strong_and_have_one_to_four_controls(style):
+    worlds = [drawn_world("world_01", style, seed) for seed in range(200)]
+    assert {world["strength"] for world in worlds} == {SLIGHT, STRONG}
+    assert {len(world["controls"]) for world in worlds} == {1, 2, 3, 4}
+    assert {world["statement"] for world in worlds} == set(STATEMENTS)
+    assert {kind for world in worlds for kind in world["kinds"]} == set(style.worlds)
+    assert all(world["kinds"] for world in worlds if world["strength"] == STRONG)
+    assert all(bool(world["common"]) == STATEMENTS[world["statement"]].common for world in worlds)
+
+
 def test_nuisances_have_the_standard_deviations_that_are_stated():
-    labels = [draw_label(NONE, BLIND, seed) for seed in range(400)]
-    mu_1 = [label["material"]["rheology.mu_1"] for label in labels]
+    labels = labels_of(NONE, BLIND, range(400))
+    mu_1 = [label["world"]["material"]["rheology.mu_1"] for label in labels]
     assert np.mean(mu_1) == pytest.approx(0.44, abs=0.003)
     assert np.std(mu_1) == pytest.approx(0.015, rel=0.15)
-    slopes = [
-        case_from_text(each["case"]).geometry.slope_angle_deg - SET_UPS[name].slope
-        for label in labels
-        for name, each in label["experiments"].items()
-        if SET_UPS[name].slope > 0.0
-    ]
-    assert np.std(slopes) == pytest.approx(0.2, rel=0.15)
+    for statement, about in STATEMENTS.items():
+        slopes = [
+            case_from_text(each["case"]).geometry.slope_angle_deg - SET_UPS[name].slope
+            for label in labels
+            if label["world"]["statement"] == statement
+            for name, each in label["experiments"].items()
+        ]
+        assert np.std(slopes) == pytest.approx(about.sd["geometry.slope_angle_deg"], rel=0.2)
 
 
-def test_the_truths_of_a_case_share_grains_and_grid_but_not_the_set_up():
-    label = next(
-        label
-        for label in (draw_label(NONE, BLIND, seed) for seed in range(20))
-        if len(label["experiments"]) > 1
+def test_the_runs_of_a_world_share_grains_and_numerics_and_one_tank_its_errors():
+    for statement, about in STATEMENTS.items():
+        label = next(
+            label
+            for label in labels_of(NONE, BLIND, range(40))
+            if len(label["experiments"]) > 2 and label["world"]["statement"] == statement
+        )
+        runs = label["experiments"] | label["world"]["controls"]
+        cases = [case_from_text(each["case"]) for each in runs.values()]
+        assert len({case.rheology for case in cases}) == 1
+        assert len({case.numerics for case in cases}) == 1
+        speeds = {case.gate.speed for case in cases}
+        assert len(speeds) == (1 if about.common else len(cases))
+
+
+def test_causes_are_dealt_to_worlds_that_do_not_have_them():
+    hidden = [("gate",), ("gate",), (), ("cohesion",), ()]
+    causes = ["gate", "cohesion+gate", "none", "cohesion", "none"]
+    found = dealt(causes, hidden)
+    assert sorted(found) == sorted(causes)
+    assert not any(
+        set(cause.split("+")) & set(own) for cause, own in zip(found, hidden, strict=True)
     )
-    cases = [case_from_text(each["case"]) for each in label["experiments"].values()]
-    assert len({case.rheology for case in cases}) == 1
-    assert len({case.grid for case in cases}) == 1
-    assert len({case.geometry.height_0 for case in cases}) == len(cases)
 
 
 def test_classes_of_a_suite():
@@ -108,7 +170,7 @@ def test_a_suite_of_one_case_is_possible():
 def test_what_is_stated_is_an_experiment(name, tmp_path):
     folder = tmp_path / name
     folder.mkdir()
-    (folder / "experiment.toml").write_text(settings_text(name))
+    (folder / "experiment.toml").write_text(settings_text(name, "careful"))
     (folder / "front.csv").write_text("t_s,x_front_m\n0,0.2\n0.1,0.3\n")
     experiment = load_experiment(folder)
     case = experiment.case()
@@ -116,7 +178,6 @@ def test_what_is_stated_is_an_experiment(name, tmp_path):
     assert case.rheology.mu_1 == 0.44
     assert experiment.standard_deviation("mu_1") == 0.015
     assert not any(getattr(case.effects, effect) for effect in CATALOGUE)
-
-
-def test_designs_are_made_of_set_ups():
-    assert {name for design in DESIGNS for name in design} == set(SET_UPS)
+    assert not experiment.has_common("height_0")
+    (folder / "experiment.toml").write_text(settings_text(name, "one_tank"))
+    assert load_experiment(folder).has_common("height_0")

@@ -2,10 +2,11 @@
 
 import json
 import stat
+from pathlib import Path
 
 import numpy as np
 import pytest
-from blind_suite import CLASSES, make_wedges
+from blind_suite import CLASSES, keep_wedge, make_wedges
 
 from fvcollapse.blind import make as making
 from fvcollapse.blind.causes import BLIND
@@ -31,8 +32,11 @@ def test_a_suite_is_folders_of_experiments_and_a_seal(tmp_path, monkeypatch):
     assert [entry["label"]["cause"] for entry in plan["cases"].values()] == list(CLASSES)
     for name, entry in plan["cases"].items():
         folder = tmp_path / "suite" / name
-        assert {path.name for path in folder.iterdir()} == set(entry["label"]["experiments"])
-        for experiment in folder.iterdir():
+        controls = entry["label"]["world"]["controls"]
+        runs = {path.parent.relative_to(folder) for path in folder.rglob("experiment.toml")}
+        expected = {Path(name) for name in entry["label"]["experiments"]}
+        assert runs == expected | {Path("controls") / name for name in controls}
+        for experiment in (folder / run for run in runs):
             curves = load_experiment(experiment).curves
             assert set(curves) == {"front", "profiles", "volume", "interface"}
         assert sealed[name] == {"label": label_digest(entry), "data": data_digest(folder)}
@@ -47,11 +51,45 @@ def test_no_file_that_is_shown_tells_a_cause(tmp_path, monkeypatch):
         if word not in ("gate", "tilt", "clock"):  # [gate] is a section of every experiment
             assert word not in text, word
     assert len({path.stat().st_mtime for path in shown.values()}) == 1
-    settings = {}
-    for path in shown.values():
-        if path.name == "experiment.toml":
-            settings.setdefault(path.parent.name, set()).add(path.read_text())
+    settings = {}  # a laboratory states the same of all its experiments of a set-up, whatever it hides in them
+    for name, entry in read_labels(tmp_path / "suite.labels.json")["cases"].items():
+        for path in (tmp_path / "suite" / name).rglob("experiment.toml"):
+            place = entry["label"]["world"]["name"], path.parent.name.removeprefix("control_")
+            settings.setdefault(place, set()).add(path.read_text())
     assert all(len(texts) == 1 for texts in settings.values())
+
+
+def test_controls_are_those_of_the_world_in_all_its_cases(tmp_path, monkeypatch):
+    make_wedges(monkeypatch, tmp_path / "suite")
+    controls = {}
+    for name, entry in read_labels(tmp_path / "suite.labels.json")["cases"].items():
+        for path in files(tmp_path / "suite" / name / "controls").values():
+            place = entry["label"]["world"]["name"], path.parent.name, path.name
+            controls.setdefault(place, []).append(path.read_bytes())
+    assert max(len(texts) for texts in controls.values()) > 1
+    assert all(len(set(texts)) == 1 for texts in controls.values())
+
+
+def test_a_control_that_cannot_be_computed_is_another_world(tmp_path, monkeypatch):
+    seal, _ = make_wedges(monkeypatch, tmp_path / "whole")
+    first = read_labels(tmp_path / "whole.labels.json")["cases"]["case_001"]["label"]["world"]
+    failed = []
+
+    def fail(case_text, forces, path):
+        if path.parent.name.startswith("world_") and not failed:
+            failed.append(path)
+            raise NumericalError("no pivot", time=0.1)
+        keep_wedge(case_text, forces, path)
+
+    monkeypatch.setattr(making, "keep_truth", fail)
+    make(len(CLASSES), tmp_path / "suite", draw=Draw(classes=CLASSES, seed=1))
+    entries = read_labels(tmp_path / "suite.labels.json")["cases"].values()
+    of_first = [entry for entry in entries if entry["label"]["world"]["name"] == first["name"]]
+    assert len(of_first) == 3
+    assert all(entry["attempt"] == 1 for entry in of_first)
+    assert len({json.dumps(entry["label"]["world"]) for entry in of_first}) == 1
+    assert of_first[0]["label"]["world"] != first
+    assert [entry["label"]["cause"] for entry in entries] == list(CLASSES)
 
 
 def test_labels_are_private_and_salted(tmp_path, monkeypatch):
@@ -107,11 +145,13 @@ def test_a_finished_suite_is_left_alone(tmp_path, monkeypatch):
 
 
 def test_a_truth_that_cannot_be_computed_is_drawn_again_with_its_cause(tmp_path, monkeypatch):
-    seal, calls = make_wedges(monkeypatch, tmp_path / "suite", failures=(0,))
+    planned = draw_plan(len(CLASSES), Draw(classes=CLASSES, seed=1))["cases"]["case_001"]
+    controls = len(planned["label"]["world"]["controls"])  # which are run first
+    seal, calls = make_wedges(monkeypatch, tmp_path / "suite", failures=(controls,))
     plan = read_labels(tmp_path / "suite.labels.json")
     first = plan["cases"]["case_001"]
     assert first["attempt"] == 1
-    assert first["label"] == draw_label("none", BLIND, first["seed"] + 1)
+    assert first["label"] == draw_label("none", BLIND, first["seed"] + 1, first["label"]["world"])
     assert json.loads(seal.read_text())["cases"]["case_001"]["label"] == label_digest(first)
     with pytest.raises(NumericalError, match="no pivot"):
         make_wedges(monkeypatch, tmp_path / "never", failures=range(1000))

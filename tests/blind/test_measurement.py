@@ -15,9 +15,10 @@ from fvcollapse.blind.measurement import (
     mixed,
     mixed_series,
 )
-from fvcollapse.blind.set_ups import ERRORS
+from fvcollapse.blind.set_ups import SET_UPS, errors_of
 from fvcollapse.blind.truth import View
 
+ERRORS = errors_of(SET_UPS["slope16_width10"], "careful", 1.0)
 EXACT = ERRORS._replace(**dict.fromkeys(ERRORS._fields, 0.0))
 END, REACH = 0.8, 0.7
 

@@ -80,7 +80,7 @@ def test_reading_a_case_opens_its_own_files_only(tmp_path, monkeypatch, opened):
     make_wedges(monkeypatch, tmp_path / "suite")
     label = (tmp_path / "suite.labels.json").read_bytes()
     case = tmp_path / "suite" / "case_003"
-    folders = sorted(case.iterdir())
+    folders = sorted(path.parent for path in case.rglob("experiment.toml"))
     for folder in (case, *folders):  # a careless owner leaves the labels lying about
         (folder / "labels.json").write_bytes(label)
         (folder / "suite.labels.json").write_bytes(label)
@@ -94,7 +94,7 @@ def test_reading_a_case_opens_its_own_files_only(tmp_path, monkeypatch, opened):
 
 def test_a_truth_in_an_experiment_changes_nothing(tmp_path, monkeypatch):
     make_wedges(monkeypatch, tmp_path / "suite")
-    folder = next((tmp_path / "suite" / "case_003").iterdir())
+    folder = next((tmp_path / "suite" / "case_003").glob("*/experiment.toml")).parent
     before = load_experiment(folder)
     settings = folder / "experiment.toml"
     settings.write_text(settings.read_text() + '\n[truth]\ncause = "gate"\nslope_angle_deg = 3\n')

@@ -19,6 +19,7 @@ from fvcollapse.blind.verdict_training import (
     cross_validated,
     make_training,
     may_teach,
+    teachers,
     train,
     training_classes,
 )
@@ -27,7 +28,7 @@ from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError
 
 OPTIONS = {"effects": ("cohesion", "bed_friction"), "draws": 8}
-PER_CLASS = 10  # leaving a kind out, five of unknown must be left
+PER_CLASS = 14  # leaving a kind and a fold of worlds out, five of unknown must be left
 
 
 def hidden(cause, rng):
@@ -39,6 +40,12 @@ def hidden(cause, rng):
         section = {parameter: float(prior.distribution().ppf(u))}
         effects[name] = {"closure": 0, "section": section, "quantiles": {parameter: u}}
     return effects, float(rng.uniform(0.05, 0.1)) if cause == "unknown" else 0.0
+
+
+def toy_world(number):
+    """A world without controls."""
+    about = {"name": f"world_{number:02d}", "strength": "slight", "statement": "careful"}
+    return about | {"quality": 1.0, "common": {}, "controls": {}}
 
 
 def toy_suite(folder, causes):
@@ -56,7 +63,9 @@ def toy_suite(folder, causes):
         )
         kind = ("balloon", "sponge")[number % 2] if cause == "unknown" else None
         label = {"cause": cause, "unknown_kind": kind, "effects": effects, "experiments": {}}
-        cases[name] = {"salt": "00" * 16, "seed": number, "attempt": 0, "label": label}
+        label["world"] = toy_world(number // 2)
+        entry = {"salt": "00" * 16, "seed": number, "world_seed": 0, "attempt": 0, "label": label}
+        cases[name] = entry
     plan = {"format": LABELS_FORMAT, "cases": cases}
     (folder / "labels.json").write_text(json.dumps(plan))
     return folder
@@ -78,7 +87,12 @@ def studied(tmp_path_factory):
 @pytest.fixture(scope="module")
 def model(studied):
     folder, _ = studied
-    return train([(folder / "evidence", folder / "labels.json")], {"made": "by formula"})
+    return train(pairs_of(folder), {"made": "by formula"})
+
+
+def pairs_of(folder):
+    """Evidence and labels of the toy suite."""
+    return teachers([(folder / "evidence", folder / "labels.json")], controls=False)
 
 
 def test_every_case_leaves_a_file_of_evidence(studied):
@@ -121,7 +135,7 @@ def test_simple_rules_answer_too(studied, rule):
 
 def test_scores_of_cases_that_the_model_had_not_seen(studied):
     folder, _ = studied
-    scores = cross_validated([(folder / "evidence", folder / "labels.json")])
+    scores = cross_validated(pairs_of(folder))
     assert scores["cases"] == 4 * PER_CLASS
     assert set(scores["alarms"]["unknown_by_kind"]) == {"balloon", "sponge"}
     assert scores["all"]["top_1"]["value"] > 0.5
@@ -197,10 +211,19 @@ def test_a_training_suite_holds_every_class(monkeypatch):
     assert draw.style is TRAINING
     assert draw.style is not BLIND
     assert all(classes.count(name) == 10 for name in known_effects())
-    assert classes.count("none") == classes.count("unknown") == 15
-    assert sum("+" in name for name in classes) == 10
+    assert classes.count("none") == 40
+    assert classes.count("unknown") == 30
+    assert sum("+" in name for name in classes) == 30
 
 
 def test_kinds_of_unknown_that_blind_suites_hide_are_not_learned():
     for kinds, taught in ((BLIND.unknowns, False), ((None, *TRAINING.unknowns), True)):
-        assert all(may_teach((None, {"label": {"unknown_kind": kind}})) == taught for kind in kinds)
+        for kind in kinds:
+            label = {"unknown_kind": kind, "world": toy_world(0)}
+            assert may_teach(label, controls=False) == may_teach(label, controls=True) == taught
+
+
+def test_strong_worlds_teach_only_with_their_controls():
+    label = {"unknown_kind": None, "world": toy_world(0) | {"strength": "strong"}}
+    assert may_teach(label, controls=True)
+    assert not may_teach(label, controls=False)
