@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from fvcollapse.blind.forms import NAMES, Share, Whole, is_name, read_form
+from fvcollapse.blind.separation import separation_of
 from fvcollapse.blind.simple_rules import chi_square, signature
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.mass_balance import MassBalance
@@ -47,6 +48,20 @@ class Simple(msgspec.Struct):
     signature: dict[str, float]
 
 
+class Levels(msgspec.Struct):
+    """Quantiles of the levels of a closure, and their columns; see `separation`."""
+
+    levels: list[list[float]]
+    columns: list[Whole]
+
+
+class Separation(msgspec.Struct):
+    """See `separation.separation_of`."""
+
+    closures: dict[str, list[Levels]]
+    products: list[list[float]]
+
+
 class EvidenceFile(msgspec.Struct):
     """Content of a file."""
 
@@ -54,6 +69,7 @@ class EvidenceFile(msgspec.Struct):
     mass_balance: tuple[Pair, tuple[Pair, Pair]] | None
     classes: list[list[str]]
     simple: Simple
+    separation: Separation
 
 
 def content_of(analysis):
@@ -68,6 +84,7 @@ def content_of(analysis):
         },
         "mass_balance": stored_balance(analysis.evidence.balance),
         "classes": [list(group) for group in analysis.separability.classes],
+        "separation": separation_of(analysis),
         "simple": {"chi_square": chi_square(analysis), "signature": signature(analysis)},
     }
 

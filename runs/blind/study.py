@@ -208,7 +208,7 @@ def score_answers(arguments):
     for controls, way in WAYS.items():
         path = arguments.tables / f"distances{way}.json"
         if not path.exists():
-            numbers = distances(folder, labels, controls=controls, **options_of(arguments))
+            numbers = distances(arguments.out / f"blind.evidence{way}", labels)
             write_atomic(path, (json.dumps(numbers, indent=1) + "\n").encode(), running=False)
         against = [] if controls else [arguments.tables / f"answers_{name}.json" for name in SIMPLE]
         answered = arguments.tables / f"answers{way}.json"

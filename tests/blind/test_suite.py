@@ -80,7 +80,7 @@ def studied(tmp_path_factory):
         patch.setattr(case_evidence.Runner, "__init__", ToyRunner.__init__)
         patch.setattr(case_evidence.Runner, "observations", ToyRunner.observations)
         assert study(folder / "suite", folder / "evidence", **OPTIONS) == {}
-        found = distances(folder / "suite", folder / "labels.json", **OPTIONS)
+    found = distances(folder / "evidence", folder / "labels.json")
     return folder, found
 
 
