@@ -237,7 +237,7 @@ def discount(question, library, uncertainty):
     given = ~wanted & (points.kind == "value")
     run = points.per_point(lambda block: points.names.index(block.experiment))
     apart = set_ups_apart(points.experiments)[np.ix_(run, run)]
-    learned = learn(points, given, gap, known, uncertainty.kernel, apart)
+    learned = learn(points, given, gap, known, uncertainty.kernel, apart, library.everywhere)
     conditioned = condition(given, wanted, gap, known + learned.covariance)
     return Discount(*conditioned, learned, everything + learned.covariance)
 

@@ -4,7 +4,8 @@ The gaps of the controls are explained by U, the covariance of everything that i
 and a discrepancy S K S: K is the kernel of `covariance.discrepancy_kernel` with a correlation rho^D
 between runs whose set-ups are D apart, S one factor for each observable. What a model leaves out depends on
 the set-up: the same column on the same slope is missed by the same amount, however badly. The factors and
-rho are those that make the gaps of the controls most probable. Given these gaps, the discrepancy of
+rho are those that make the gaps of the controls most probable. What an effect of the catalogue explains of them is
+carried over by its response (`shared_physics`). Given these gaps, the discrepancy of
 another run has a mean and a covariance (Gaussian conditioning): with them it is judged.
 
 References
@@ -23,6 +24,7 @@ from scipy.spatial.distance import cdist
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
+from fvcollapse.diagnosis.shared_physics import covariance_of, shared_physics
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
 # change of volume, of which its parameters know nothing
@@ -45,11 +47,24 @@ FIRST_STEP = 0.7  # of the search
 
 
 class Discrepancy(NamedTuple):
-    """What was learned: factor of each observable, correlation rho of runs one unit apart, and S K S (N, N)."""
+    """What was learned of the model.
+
+    Attributes
+    ----------
+    factors : dict
+        Observable -> factor of its discrepancy.
+    correlation : float
+        rho of runs one unit apart.
+    covariance : (N, N) array
+        S K S, and that of the effects.
+    effects : dict
+        Effect that the controls show in all runs -> its share; see `shared_physics`.
+    """
 
     factors: dict
     correlation: float
     covariance: np.ndarray
+    effects: dict = {}  # noqa: RUF012
 
 
 class Conditioned(NamedTuple):
@@ -86,8 +101,28 @@ def set_ups_apart(experiments):
     return cdist(places, places) + shaped
 
 
-def learn(points, given, gap, covariance, kernel, apart):
-    """The `Discrepancy` that the controls show.
+def learn(points, given, gap, covariance, kernel, apart, columns=None):
+    """The `Discrepancy` that the controls show, with the effects of the catalogue that explain it best.
+
+    Parameters
+    ----------
+    points, given, gap, covariance, kernel, apart
+        See `learn_smooth`.
+    columns : dict, optional
+        Effect -> its changes of all runs; see `shared_physics`.
+    """
+    smooth = learn_smooth(points, given, gap, covariance, kernel, apart)
+    columns = columns or {}
+    effects = shared_physics(columns, given, gap, covariance, smooth.covariance)
+    if not effects:
+        return smooth
+    physics = covariance_of(columns, effects, len(points))
+    rest = learn_smooth(points, given, gap, covariance + physics, kernel, apart)
+    return rest._replace(covariance=rest.covariance + physics, effects=effects)
+
+
+def learn_smooth(points, given, gap, covariance, kernel, apart):
+    """The `Discrepancy` without an effect of the catalogue.
 
     Parameters
     ----------

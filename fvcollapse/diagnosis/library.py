@@ -54,6 +54,9 @@ class Library:
         (effect, number of the closure) -> `GridCorrection`, where the run on the finer grid did not fail.
     left_out : dict
         Effect -> why it is not compared.
+    everywhere : dict
+        Effect -> (m, N) array of its changes, over the root of their number m, if it acted in the controls as well;
+        empty without controls.
     """
 
     points: Points
@@ -69,6 +72,7 @@ class Library:
     responses: dict
     corrections: dict
     left_out: dict
+    everywhere: dict
 
     @cached_property
     def sensitivities(self):
@@ -89,7 +93,8 @@ def build_library(question, runner, effects=None, draws=DRAWS):
     Parameters
     ----------
     question : Question
-        Effects act in its experiments, not in its controls.
+        A hidden effect acts in its experiments, not in its controls; that it acts in all of them is what `everywhere`
+        is for.
     runner : Runner
     effects : sequence of str, optional
         Only these effects of the catalogue.
@@ -106,7 +111,7 @@ def build_library(question, runner, effects=None, draws=DRAWS):
     quantities = nuisances(simulated, cases)
     z = draw(quantities, draws, question.seed)
     drawn, undrawn = ensemble_runs(simulated, cases, quantities, z)
-    levels, impossible = effect_runs(closures, question.experiments, cases)
+    levels, impossible = effect_runs(closures, simulated, cases)
     wanted = baseline_runs(simulated, cases) | drawn | levels
     seen, failures = runner.observations(wanted, LIBRARY)
     reading = Reading(question.all_points, seen, failures | undrawn)
@@ -124,10 +129,32 @@ def build_library(question, runner, effects=None, draws=DRAWS):
         draws=realised(quantities, z[complete]),
         samples=samples,
         closures={name: closures[name] for name in measured.responses},
-        responses=measured.responses,
+        responses=only_in(reading.points, question.experiments, measured.responses),
         corrections=measured.corrections,
         left_out=inapplicable | impossible | measured.left_out,
+        everywhere=changes_of(measured.responses) if question.controls else {},
     )
+
+
+def only_in(points, experiments, responses):
+    """The responses of effects that act in some experiments only."""
+    inside = np.isin(points.experiment, [one.name for one in experiments])
+    return {
+        name: [
+            replace(each, differences=each.differences * inside, errors=each.errors * inside)
+            for each in variants
+        ]
+        for name, variants in responses.items()
+    }
+
+
+def changes_of(responses):
+    """{effect: (m, N) changes at all levels of its closures, over the root of m}."""
+    every = {
+        name: np.vstack([each.differences for each in variants])
+        for name, variants in responses.items()
+    }
+    return {name: rows / np.sqrt(len(rows)) for name, rows in every.items()}
 
 
 def chosen_closures(question, effects):

@@ -64,7 +64,7 @@ def planned_cases(question, effects, draws):
     closures, _ = chosen_closures(question, effects)
     quantities = nuisances(simulated, cases)
     drawn, _ = ensemble_runs(simulated, cases, quantities, draw(quantities, draws, question.seed))
-    levels, _ = effect_runs(closures, question.experiments, cases)
+    levels, _ = effect_runs(closures, simulated, cases)
     wanted = baseline_runs(simulated, cases) | drawn | levels
     return [flow_case(case) for _, case in wanted.values()]
 
