@@ -21,10 +21,17 @@ from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
 from fvcollapse.diagnosis.log_sums import log_sum_exp
 
-LEAST_GAIN = 3.0  # of the logarithm of the evidence; twelve effects that might do it cost ln 12 = 2.5
+LEAST_GAIN = (
+    3.0  # of the logarithm of the evidence; twelve effects that might do it cost ln 12 = 2.5
+)
 NEARLY = 2.0  # behind the best, in the same unit: left out
 MOST = 2  # effects one after the other
-SCALES = (0.1, 0.25, 0.5, 1.0)  # of the discrepancy that is left beside the effect, over that without it
+SCALES = (
+    0.1,
+    0.25,
+    0.5,
+    1.0,
+)  # of the discrepancy that is left beside the effect, over that without it
 
 
 def shared_physics(columns, given, gap, known, discrepancy):
@@ -70,7 +77,7 @@ def shared_physics(columns, given, gap, known, discrepancy):
 
 
 def log_evidence(view, shares):
-    """ln p of the gaps of the controls, up to a constant, with some effects (Woodbury)."""
+    """Ln p of the gaps of the controls, up to a constant, with some effects (Woodbury)."""
     white, gap, factor = view
     value = -0.5 * gap @ gap - np.log(np.diag(factor)).sum()
     if not shares:

@@ -76,6 +76,27 @@ def test_run_level_errors_stay_in_their_run_and_have_their_size(measured):
     assert origin[front[0], front[1]] == pytest.approx(0.001**2)
 
 
+def test_a_common_error_is_one_error_of_all_runs(tmp_path):
+    plain = (
+        "[geometry]\nslope_angle_deg = 0\nheight_0 = 0.14\nlength_0 = 0.2\n[common]\ntime = true\n"
+    )
+    stems = ("front", "profiles", "volume", "interface")
+    later = {stem: FILES[f"{stem}.csv"].replace("0.1", "0.12") for stem in stems}
+    points = choose_points(
+        [
+            load_experiment(write_experiment(tmp_path / "a", plain)),
+            load_experiment(write_experiment(tmp_path / "b", plain, **later)),
+        ]
+    )
+    ones = Sensitivity(np.ones(len(points)), np.zeros(len(points)))
+    clock = measurement_covariance(points, ones)
+    a, b = (points.of(name).start for name in "ab")
+    assert points.observable[a] == points.observable[b] == "front"
+    assert clock[a, b] == pytest.approx(0.005**2)
+    origin = measurement_covariance(points, Sensitivity(ones.origin, ones.clock))
+    assert origin[a, b] == 0.0
+
+
 def test_numerical_covariance_is_richardson_run_by_run():
     points = fake_points(2)
     fine = np.linspace(0.0, 1.0, len(points))

@@ -1,9 +1,11 @@
 """Which runs a diagnosis needs, and what is read off them; the solver itself runs in test_diagnose."""
 
+import dataclasses
 from math import inf
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from toy_laboratory import PlannedQuestion, ToyRunner, film
 
 from fvcollapse import load_experiment
@@ -20,6 +22,7 @@ from fvcollapse.diagnosis.reading import Reading
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.measure.experiment_keys import Common
 from fvcollapse.measure.observation import flow_case
 
 
@@ -157,6 +160,29 @@ def test_material_is_shared_and_set_up_is_not(experiments, cases):
     assert "boundary.mu_bed" not in keys  # no slip
 
 
+def test_a_common_error_of_the_set_up_is_one_quantity_of_all_experiments(experiments):
+    tank = [
+        dataclasses.replace(
+            one, settings=replace(one.settings, common=Common(speed=True, height_0=True))
+        )
+        for one in experiments
+    ]
+    cases = baseline_cases(tank)
+    found = {each.key: each for each in nuisances(tank, cases) if each.others}
+    assert set(found) == {"gate.speed", "geometry.height_0"}
+    names = tuple(one.name for one in tank)
+    assert all(each.experiments == names for each in found.values())
+    quantities = nuisances(tank, cases)
+    z = [1.0 if quantity.key == "geometry.height_0" else 0.0 for quantity in quantities]
+    drawn = [with_nuisances(cases[name], name, quantities, z).geometry.height_0 for name in names]
+    assert all(
+        height > case.geometry.height_0 for height, case in zip(drawn, cases.values(), strict=True)
+    )
+    alone = nuisances(tank[1:2], {names[1]: cases[names[1]]})
+    own = [n for n, each in enumerate(quantities) if names[1] in each.experiments]
+    assert np.array_equal(draw(quantities, 10)[:, own], draw(alone, 10))
+
+
 def test_laws_without_inertial_number_have_no_mu_2(experiments):
     base = baseline_cases(experiments)["s16_w0.1"].replace(
         **{"rheology.law": "drucker_prager", "boundary.mu_bed": 0.4}
@@ -261,7 +287,7 @@ def test_a_failed_run_on_the_finer_grid_costs_the_correction_only(experiments, c
     assert found.corrections == {}
 
 
-def test_effects_do_not_act_in_controls(experiments, cases):
+def test_a_hidden_effect_acts_in_the_experiments_and_shared_physics_everywhere(experiments, cases):
     found = build_library(
         PlannedQuestion(experiments[:1], controls=experiments[1:2], planned=cases),
         ToyRunner(),
@@ -271,6 +297,10 @@ def test_effects_do_not_act_in_controls(experiments, cases):
     control = found.points.of("s16_w0.1")
     (response,) = found.responses["bed_friction"]
     assert not response.differences[:, control].any()
+    own = found.points.of("s10_w0.1")
+    everywhere = found.everywhere["bed_friction"] * np.sqrt(len(response.differences))
+    assert everywhere[:, own] == pytest.approx(response.differences[:, own])
+    assert np.abs(everywhere[:, control]).max() > 0.0
     assert np.ptp(found.samples[:, control], axis=0).max() > 0.0
 
 
