@@ -1,4 +1,4 @@
-"""Physics that controls and experiments have in common is found in the controls, and carried over to the experiments."""
+"""Physics that controls and experiments share is found in the controls, and carried over to the experiments."""
 
 import numpy as np
 import pytest

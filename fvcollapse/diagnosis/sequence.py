@@ -1,0 +1,42 @@
+"""What each experiment adds: the answer after the first, after the first two, and so on.
+
+Experiments count in the order in which they are given. No run is made: the answer after the first n is that of the
+points of these experiments alone, with the controls and the calibrated parameters as in the whole diagnosis.
+"""
+
+from dataclasses import replace
+
+from fvcollapse.diagnosis.analysis import evidence_on
+from fvcollapse.diagnosis.mass_balance import mass_balance
+
+
+def after(analysis, count):
+    """The `Analysis` of the first `count` experiments of an analysis."""
+    question = replace(analysis.question, experiments=analysis.experiments[:count])
+    points = question.points
+    own = slice(0, len(points))
+    parts = {
+        "covariance": analysis.covariance[own, own],
+        "kernel": analysis.kernel[own, own],
+        "shift": analysis.shift[own],
+        "expected": analysis.expected[own],
+    }
+    balance = mass_balance(question.experiments, analysis.library.cases)
+    changed = evidence_on(analysis.library, parts, points, balance)
+    return replace(analysis, question=question, **parts, **changed)
+
+
+def sequence(analysis, judge):
+    """[(names of the experiments, Verdict)] after the first, the first two, …, all but the last.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    judge : callable
+        (analysis) -> (Analysis, Verdict, model); see `diagnose.judge`.
+    """
+    answers = []
+    for count in range(1, len(analysis.experiments)):
+        part, verdict, _ = judge(after(analysis, count))
+        answers.append((tuple(one.name for one in part.experiments), verdict))
+    return answers
