@@ -25,6 +25,7 @@ from fvcollapse.measure.measured_files import measured_files
 from fvcollapse.measure.plausibility import refuse_impossible
 from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
+from fvcollapse.measure.unstated import assumed_of_grains
 
 SETTINGS = "experiment.toml"
 MOST_NAMES = 8  # of experiments in a message
@@ -80,22 +81,29 @@ class Experiment:
         return getattr(getattr(self.settings, section), name)
 
     def standard_deviation(self, name, value=1.0):
-        """Standard deviation of a quantity, as stated or by default; see `uncertainty.DEFAULTS`.
+        """Standard deviation of a quantity: as stated, else that of `assumed`, else `uncertainty.DEFAULTS`.
 
         `value` is the quantity itself, of which a relative default is a part.
         """
+        assumed = self.assumed().get(f"material.{name}")
+        if assumed is not None and getattr(self.settings.uncertainty, name) is None:
+            return assumed.sd
         return standard_deviation(self.settings.uncertainty, name, value)
 
     def has_common(self, name):
         """Whether the error of a quantity is that of all experiments of the laboratory; see `[common]`."""
         return getattr(self.settings.common, name, False)
 
+    def assumed(self, base=None):
+        """{key: `Assumed`} of what is not stated and follows from what is; see `unstated.assumed_of_grains`."""
+        return assumed_of_grains(self.settings.material, base)
+
     def case(self, base=None):
         """The case of this experiment.
 
         Geometry, gate, bed and what was measured of the material come from the experiment (absent:
-        no lateral walls, a gate removed at once, no slip on the bed); all else from `base`, and the
-        end of the run is late enough for the last measured point.
+        no lateral walls, a gate removed at once, no slip on the bed; mu_2 as far above a stated mu_1 as in
+        the default); all else from `base`, and the end of the run is late enough for the last measured point.
 
         Parameters
         ----------
@@ -108,7 +116,7 @@ class Experiment:
         CaseError
             The two do not fit together.
         """
-        changes = case_changes(self)
+        changes = case_changes(self, base)
         if base is None:
             base, changes["grid.cell_size"] = Case(), suitable_cell_size(self.settings.geometry)
         changes["time.end"] = max(base.time.end, self.time_end)
@@ -116,7 +124,10 @@ class Experiment:
             return base.replace(**changes)
         except CaseError as error:
             own = next((own for own, (name, _) in CASE_KEYS.items() if name == error.key), None)
-            kept = " (of the case: none stated)" if own and self.stated(own) is None else ""
+            kept = ""
+            if own and self.stated(own) is None:
+                assumed = self.assumed(base).get(own)
+                kept = f" ({assumed.reason if assumed else 'of the case'}: none stated)"
             path, found = self.folder / SETTINGS, error.found + kept
             raise CaseError(path, own or error.key, found, error.allowed) from None
 
@@ -234,9 +245,10 @@ def read_measurements(folder, uncertainty):
     return curves, scalars
 
 
-def case_changes(experiment):
-    """Changes to a case that make it the set-up of an experiment."""
-    changes = {}
+def case_changes(experiment, base=None):
+    """Changes to a case, of which `base` is believed, that make it the set-up of an experiment."""
+    assumed = experiment.assumed(base).items()
+    changes = {CASE_KEYS[own][0]: one.value for own, one in assumed}
     for own, (name, absent) in CASE_KEYS.items():
         value = experiment.stated(own)
         if value is not None or absent is not None:

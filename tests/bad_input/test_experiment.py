@@ -36,12 +36,12 @@ SETTINGS_CHANGED = {
     "endless deviation": ("mu_1 = 0.008", "mu_1 = 1e300", "uncertainty.mu_1", "1e+300", "<= 10"),
     "unknown deviation": ("mu_1 = 0.008", "mu1 = 0.1", "uncertainty.mu1", "unknown", "mu_1"),
     "mu_2 below mu_1": ("mu_2 = 0.7", "mu_2 = 0.3", "material.mu_2", "0.3", ">= rheology.mu_1"),
-    "mu_1 above the mu_2 of the case": (
+    "mu_1 whose mu_2 is beyond all": (
         "mu_1 = 0.44\nmu_2 = 0.7",
-        "mu_1 = 0.8",
+        "mu_1 = 9.9",
         "material.mu_2",
-        "0.73 (of the case: none stated)",
-        "0.8",
+        "10.15 (the stated mu_1 + 0.25, as of glass beads: none stated)",
+        "<= 10",
     ),
 }
 # name: (CSV file, its text, column, words of what is found, of what is allowed)

@@ -24,10 +24,20 @@ def assumptions(question):
             value=f"{value:g}",
             units=keys[key].unit,
             meaning=keys[key].description,
-            source=ABSENT if absent is not None else BELIEVED if key in believed else DEFAULT,
+            source=source_of(
+                experiment, question.believed, own, absent is not None, key in believed
+            ),
         )
         for experiment in (*question.experiments, *question.held_out)
         for own, (key, absent) in CASE_KEYS.items()
         if experiment.stated(own) is None
         and (value := flat(as_table(cases[experiment.name])).get(key)) is not None
     ]
+
+
+def source_of(experiment, believed, own, absent, in_case):
+    """Where the value of a key comes from that an experiment does not state."""
+    assumed = experiment.assumed(believed).get(own)
+    if assumed is not None:
+        return assumed.reason
+    return ABSENT if absent else BELIEVED if in_case else DEFAULT

@@ -34,7 +34,7 @@ class Assumption(Part):
     meaning : str
         One line.
     source : str
-        "the case file", "absent means so" or "default of the program".
+        "the case file", "absent means so", "default of the program", or the reason of an `Assumed`.
     """
 
     experiment: str
