@@ -12,6 +12,7 @@ from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.errors import InputError
+from fvcollapse.measure.quantities import QUANTITIES
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.output.forms import form_problems
 
@@ -39,6 +40,8 @@ class StoredHypothesis(msgspec.Struct):
     high: list[Share]
     variant: list[Whole]
     p_by_run: dict[str, float]
+    closes: Annotated[float, msgspec.Meta(le=1.0)] | None
+    worsens: list[str]
 
 
 class Simple(msgspec.Struct):
@@ -99,6 +102,7 @@ def stored_hypothesis(analysis, hypothesis):
     stored = {name: float(getattr(hypothesis, name)) for name in NUMBERS}
     stored |= {name: getattr(hypothesis, name).tolist() for name in ARRAYS}
     stored |= {"variant": list(hypothesis.variant), "p_by_run": hypothesis.p_by_run}
+    stored |= {"closes": hypothesis.closes, "worsens": list(hypothesis.worsens)}
     if hypothesis.name in analysis.library.closures:
         closure = analysis.library.closures[hypothesis.name][hypothesis.variant[0]]
         inside = [
@@ -132,6 +136,8 @@ def read_evidence(path):
             p_by_run=stored["p_by_run"],
             p_by_phase={},
             difference=EMPTY,
+            closes=stored["closes"],
+            worsens=tuple(stored["worsens"]),
             **{key: stored[key] for key in NUMBERS},
             **{key: np.array(stored[key]) for key in ARRAYS},
         )
@@ -175,6 +181,9 @@ def evidence_problems(content):
                 f"{len(stored['u'])} numbers",
                 "as many as in low and high",
             )
+        for observable in stored["worsens"]:
+            if observable not in QUANTITIES:
+                yield f"hypotheses.{name}.worsens", f"{observable!r:.40}", ", ".join(QUANTITIES)
     balance = content["mass_balance"]
     if balance is not None and np.linalg.eigvalsh(balance[1]).min() <= 0.0:
         yield "mass_balance", "a covariance that is none", "a positive definite matrix"

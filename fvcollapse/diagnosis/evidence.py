@@ -33,6 +33,7 @@ from fvcollapse.diagnosis.quadrature import (
     intervals,
     sigma_weights,
 )
+from fvcollapse.diagnosis.sign import DISCREPANCY, Direction
 
 PAIR_ODDS = 0.1
 WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
@@ -72,6 +73,11 @@ class Hypothesis(NamedTuple):
         covariance describes the data.
     difference : (N,) array
         Delta_k(u).
+    closes : float or None
+        Of a single effect: largest share of the significant gap that any strength of it closes, below 0 if all make it
+        larger; None where no gap is significant (see `sign`).
+    worsens : tuple of str
+        Of a single effect: observables whose misfit at u is larger than without it, by more than the uncertainty.
     """
 
     name: str
@@ -88,6 +94,8 @@ class Hypothesis(NamedTuple):
     p_by_phase: dict
     residual_outside: float
     difference: np.ndarray
+    closes: float | None = None
+    worsens: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -159,6 +167,9 @@ class ModelComparison:
         self.columns = np.vstack([*columns, np.empty((0, len(covariance)))]).T
         sigmas = (*DISCREPANCIES, *UNKNOWN_DISCREPANCIES)
         self.whitened = {sigma: Whitened(self, sigma) for sigma in sigmas}
+        observable = np.full(len(covariance), "all") if points is None else points.observable
+        full = self.whitened[DISCREPANCY].full
+        self.direction = Direction(full, self.columns, observable, kind == "value")
 
     def evidence(self, gap, pairs=True):
         """The `Evidence` of a gap (N,); `pairs`: also of two effects together."""
@@ -168,6 +179,7 @@ class ModelComparison:
             self.without_effect(gap, seen, UNKNOWN, UNKNOWN_DISCREPANCIES),
         ]
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
+        single = self.directed(gap, single)
         single.sort(key=lambda each: -each.log_evidence)
         for other in single[1:] if pairs else ():
             pair = sorted((single[0], other), key=lambda each: each.name)
@@ -177,6 +189,17 @@ class ModelComparison:
         hypotheses += single
         hypotheses.sort(key=lambda each: -(each.log_evidence + each.log_prior))
         return Evidence({each.name: each for each in hypotheses})
+
+    def directed(self, gap, single):
+        """The single effects with what they can close of a gap (N,), and what they make worse."""
+        rows = self.direction.significant(gap)
+        return [
+            each._replace(
+                closes=self.direction.closes(gap, rows, self.closures[each.name]),
+                worsens=self.direction.worsens(gap, each.difference),
+            )
+            for each in single
+        ]
 
     def best_name(self, gap):
         """Name of the hypothesis of the largest evidence of a gap (N,), pairs left out."""

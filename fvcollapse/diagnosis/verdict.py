@@ -25,6 +25,7 @@ import numpy as np
 
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
+from fvcollapse.diagnosis.sign import ruled_out
 from fvcollapse.diagnosis.verdict_features import TEMPERATURE, balance_logit, class_of
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
@@ -77,7 +78,15 @@ def verdict(evidence, model=None, separability=None, known=None):
     known : Evidence, optional
         Of the effects that the model knows, compared without the new ones; its pairs are also in
         `evidence`. Default: what `evidence` holds of them.
+
+    Effects that are `ruled_out` are in neither set nor answer, and the others share their probability.
     """
+    answer = probable(evidence, model, separability, known)
+    return excluding(answer, ruled_out(evidence), separability)
+
+
+def probable(evidence, model, separability, known):
+    """The `Verdict` before the sign of the effects is looked at; parameters as of `verdict`."""
     new = () if model is None else new_hypotheses(evidence, model.classes)
     known = without(evidence, new) if known is None else known
     if model is None or not model.judges(known):
@@ -103,6 +112,20 @@ def verdict(evidence, model=None, separability=None, known=None):
     return finished(
         retained[0] if retained else UNKNOWN, probability, retained, conformal, separability
     )
+
+
+def excluding(answer, names, separability):
+    """The `Verdict` with no probability for some single effects; the others share it in proportion."""
+    if not any(answer.probability.get(name) for name in names):
+        return answer
+    left = {name: share for name, share in answer.probability.items() if name not in names}
+    cap = max(CAP, *answer.probability.values())
+    probability = in_order(capped(in_order(left), cap)) | dict.fromkeys(names, 0.0)
+    retained = tuple(name for name in answer.set if name not in names)
+    best = "+".join(answer.effects) or answer.kind
+    if best in names:
+        best = retained[0] if retained else UNKNOWN
+    return finished(best, probability, retained, answer.conformal, separability)
 
 
 def is_clear(name, probability):

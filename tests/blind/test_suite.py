@@ -1,5 +1,6 @@
 """From the cases of a suite to a fitted verdict and to answers, on collapses by formula."""
 
+import copy
 import json
 
 import numpy as np
@@ -198,6 +199,26 @@ def test_a_file_that_is_no_evidence_is_refused(tmp_path):
     (tmp_path / "case.json").write_text('{"format": "another"}')
     with pytest.raises(InputError, match="format"):
         read_evidence(tmp_path / "case.json")
+
+
+def test_what_an_effect_closes_and_worsens_is_kept_and_its_form_checked(studied, tmp_path):
+    folder, _ = studied
+    path = sorted((folder / "evidence").glob("*.json"))[0]
+    content = json.loads(path.read_text())
+    name = next(name for name in content["hypotheses"] if name in CATALOGUE)
+    content["hypotheses"][name] |= {"closes": -0.2, "worsens": ["front"]}
+    (tmp_path / "case.json").write_text(json.dumps(content))
+    _, evidence = read_evidence(tmp_path / "case.json")
+    assert (evidence.hypotheses[name].closes, evidence.hypotheses[name].worsens) == (
+        -0.2,
+        ("front",),
+    )
+    for key, wrong in (("closes", 1.5), ("closes", "much"), ("worsens", ["the weather"])):
+        changed = copy.deepcopy(content)
+        changed["hypotheses"][name][key] = wrong
+        (tmp_path / "case.json").write_text(json.dumps(changed))
+        with pytest.raises(InputError, match=key):
+            read_evidence(tmp_path / "case.json")
 
 
 def test_a_training_suite_holds_every_class(monkeypatch):
