@@ -180,6 +180,8 @@ def uncertain_levels(analysis):
     for hypothesis in single[:REFINED]:
         (variant,) = hypothesis.variant
         response = analysis.responses[hypothesis.name][variant]
+        if response.scatters:
+            continue
         u = np.clip(hypothesis.u, LEAST_QUANTILE, 1.0 - LEAST_QUANTILE)
         _, variance = response.weights(u[None])
         white = analysis.comparison.whitened[hypothesis.sigma].solve(
@@ -291,10 +293,4 @@ def evidence_on(library, parts, points, balance):
 
 def responses_on(responses, rows):
     """The responses on some of the points."""
-    return {
-        name: [
-            type(each)(each.levels, each.differences[:, rows], each.errors[:, rows])
-            for each in variants
-        ]
-        for name, variants in responses.items()
-    }
+    return {name: [each.on(rows) for each in variants] for name, variants in responses.items()}

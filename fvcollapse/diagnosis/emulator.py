@@ -23,7 +23,7 @@ References
 Santner, Williams & Notz (2018), The design and analysis of computer experiments, ch. 3.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations_with_replacement
 
@@ -55,6 +55,11 @@ class Response:
     levels: np.ndarray
     differences: np.ndarray
     errors: np.ndarray
+    scatters = False  # whether `errors` are those of realisations, see `scatter`
+
+    def on(self, rows):
+        """The response on some of the points."""
+        return replace(self, differences=self.differences[:, rows], errors=self.errors[:, rows])
 
     @classmethod
     def fit(cls, levels, differences, off=None):

@@ -7,6 +7,7 @@ import numpy as np
 
 from fvcollapse.diagnosis.baseline import refined
 from fvcollapse.diagnosis.grid_correction import reference_level
+from fvcollapse.diagnosis.scatter import labels, realisations
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError
@@ -133,8 +134,9 @@ def level_cases(closures, experiment, case):
             case.replace(**{f"effects.{closure.effect}": closure.section(u)})
             for u in closure.levels()
         ]
-        for level, each in enumerate(levels):
-            found[key, level, experiment.name] = (experiment, each)
         fine = refined(levels[reference_level(closure.levels())])
-        found[key, "fine", experiment.name] = (experiment, fine)
+        for level, each in (*enumerate(levels), ("fine", fine)):
+            names = labels(closure.effect, level)
+            for number, one in zip(names, realisations(closure.effect, each), strict=True):
+                found[key, number, experiment.name] = (experiment, one)
     return found

@@ -114,7 +114,7 @@ def build_library(question, runner, effects=None, draws=DRAWS):
     levels, impossible = effect_runs(closures, simulated, cases)
     wanted = baseline_runs(simulated, cases) | drawn | levels
     seen, failures = runner.observations(wanted, LIBRARY)
-    reading = Reading(question.all_points, seen, failures | undrawn)
+    reading = Reading(question.all_points, seen, failures | undrawn, cases)
     samples, complete = reading.ensemble(draws)
     possible = {name: closures[name] for name in closures if name not in impossible}
     measured = measured_responses(reading, possible)

@@ -8,6 +8,7 @@ import numpy as np
 
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.diagnosis.grid_correction import GridCorrection, reference_level
+from fvcollapse.diagnosis.scatter import SCATTERS, labels, scattered
 from fvcollapse.errors import NumericalError
 
 FAILED_LEVELS = 0.34  # share of the runs of a closure that may fail
@@ -63,10 +64,13 @@ def changes_something(response):
 
 
 class Reading:
-    """Observations of labelled runs (what, number, experiment) as vectors over the points."""
+    """Observations of labelled runs (what, number, experiment) as vectors over the points.
 
-    def __init__(self, points, seen, failures):
-        self.points, self.seen, self.failures = points, seen, failures
+    `cases` {experiment: Case} are those of the baseline; only effects that scatter need them.
+    """
+
+    def __init__(self, points, seen, failures, cases=None):
+        self.points, self.seen, self.failures, self.cases = points, seen, failures, cases
         self.parts = points.parts
 
     @cached_property
@@ -98,6 +102,11 @@ class Reading:
                 parts.append(base[self.points.of(name)])
         return np.concatenate(parts)
 
+    def realised(self, closure, key, level, base):
+        """Differences (m, N) to a baseline of the realisations of a level: one if the effect does not scatter."""
+        numbers = labels(closure.effect, level)
+        return np.array([self.vector(key, number, base) - base for number in numbers])
+
     def ensemble(self, count):
         """(samples (m, N), indices of the draws) of the draws that no experiment failed in."""
         samples, kept, failure = [], [], None
@@ -112,7 +121,7 @@ class Reading:
             raise NumericalError(f"{what}, the last: {failure}")
         return np.array(samples), kept
 
-    def correction(self, key, reference):
+    def correction(self, closure, key, reference):
         """The `GridCorrection` of a closure whose response at the level of reference is known on the coarser grid.
 
         Raises
@@ -120,7 +129,7 @@ class Reading:
         NumericalError
             Its run on the finer grid failed.
         """
-        change = self.vector(key, "fine", self.fine) - self.fine - reference
+        change = self.realised(closure, key, "fine", self.fine).mean(axis=0) - reference
         return GridCorrection(reference, change, 1.0 / self.points.sigma)
 
     def response(self, number, closure):
@@ -132,18 +141,30 @@ class Reading:
             Too many of its runs failed.
         """
         key, levels = (closure.effect, number), closure.levels()
-        differences, failure = {}, None
+        realised, failure = {}, None
         for n in range(len(levels)):
             try:
-                differences[n] = self.vector(key, n, self.coarse) - self.coarse
+                realised[n] = self.realised(closure, key, n, self.coarse)
             except NumericalError as error:
                 failure = error
-        if len(differences) < max(2, (1.0 - FAILED_LEVELS) * len(levels)):
-            failed = len(levels) - len(differences)
+        if len(realised) < max(2, (1.0 - FAILED_LEVELS) * len(levels)):
+            failed = len(levels) - len(realised)
             raise NumericalError(f"{failed} of its {len(levels)} runs fail: {failure}")
+        differences = {n: each.mean(axis=0) for n, each in realised.items()}
         correction = None
         if (reference := differences.get(reference_level(levels))) is not None:
             with suppress(NumericalError):
-                correction = self.correction(key, reference)
+                correction = self.correction(closure, key, reference)
         changes = np.array([*map(correction or np.asarray, differences.values())])
-        return Response.fit(levels[list(differences)], changes), correction
+        response = Response.fit(levels[list(differences)], changes)
+        if closure.effect in SCATTERS:
+            departures = np.array([each - each.mean(axis=0) for each in realised.values()])
+            response = scattered(response, closure, departures, self.curves())
+        return response, correction
+
+    def curves(self):
+        """(Points, Observations of the baseline, Case) of each experiment."""
+        return [
+            (part, self.seen["coarse", None, name], self.cases[name])
+            for name, part in self.parts.items()
+        ]

@@ -78,9 +78,10 @@ class Direction:
         Returns
         -------
         float or None
-            None where no gap is significant.
+            None where no gap is significant, and of an effect that scatters, for that closes what has no direction.
         """
-        if not len(rows):
+        scatters = any(one.scatters for closure in closures for one in closure.responses)
+        if scatters or not len(rows):
             return None
         factor, columns = self.whitened(rows)
         white = solve(factor, gap[rows])

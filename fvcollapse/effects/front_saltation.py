@@ -44,6 +44,16 @@ def seen_with_beads(section, case, time, front):
     return front + progress * (section.bias + section.spread * scatter)
 
 
+def scatter_covariance(section, case, time, front, at):
+    """Covariance (m, m) over spread^2 of what is seen at the times `at` (m,) of a front (n,) at `time` (n,); m, s."""
+    geometry = case.geometry
+    progress = np.clip((front - geometry.length_0) / geometry.height_0, 0.0, 1.0)
+    stop = time[np.argmax(front > front.max() - AT_REST)]
+    size, moment = np.interp(at, time, progress), np.minimum(at, stop)
+    apart = np.abs(moment[:, None] - moment)
+    return np.outer(size, size) * np.exp(-apart / section.correlation_time)
+
+
 def correlated_scatter(time, correlation_time, seed):
     """Gaussian scatter (n,) of unit variance whose correlation falls as exp(-t/correlation_time).
 
