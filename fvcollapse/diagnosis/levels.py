@@ -8,6 +8,7 @@ import numpy as np
 from fvcollapse.diagnosis.baseline import refined
 from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.scatter import labels, realisations
+from fvcollapse.diagnosis.stated_priors import priors_of
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError
@@ -17,17 +18,20 @@ LEVELS_RANGE = (0.06, 0.94)  # of the quantiles in more dimensions
 
 
 class Closure(NamedTuple):
-    """One closure of an effect: its parameters, and the other keys of its section."""
+    """One closure of an effect: its parameters, the other keys of its section, and what is known of the parameters.
+
+    `priors` {parameter: Prior} are those of the diagnosis, see `stated_priors`.
+    """
 
     effect: str
     parameters: tuple
     keys: dict
+    priors: dict
 
     def values(self, u):
         """{parameter: value} at the quantiles u (d,)."""
-        priors = CATALOGUE[self.effect].priors
         pairs = zip(self.parameters, np.atleast_1d(u), strict=True)
-        return {name: float(priors[name].distribution().ppf(share)) for name, share in pairs}
+        return {name: float(self.priors[name].distribution().ppf(share)) for name, share in pairs}
 
     def section(self, u):
         """The keys of `[effects.<name>]` at the quantiles u."""
@@ -38,14 +42,15 @@ class Closure(NamedTuple):
         return design(len(self.parameters))
 
 
-def closures_of(name):
-    """The closures of an effect of the catalogue."""
-    effect = CATALOGUE[name]
+def closures_of(name, experiments=()):
+    """The closures of an effect of the catalogue, with what the experiments that are diagnosed state of it."""
+    effect, priors = CATALOGUE[name], priors_of(name, experiments)
     return tuple(
         Closure(
             name,
             tuple(key for key in effect.priors if variant.get(key, "") is not None),
             {key: value for key, value in variant.items() if value is not None},
+            priors,
         )
         for variant in effect.variants
     )

@@ -163,7 +163,7 @@ def chosen_closures(question, effects):
         experiment.name: question.cases[experiment.name] for experiment in question.experiments
     }
     chosen, inapplicable = applicable_effects(cases, effects)
-    return {name: closures_of(name) for name in chosen}, inapplicable
+    return {name: closures_of(name, question.experiments) for name in chosen}, inapplicable
 
 
 def baseline_runs(experiments, cases):

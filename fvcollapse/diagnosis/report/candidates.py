@@ -44,7 +44,7 @@ def parameters(closure, quantiles, units):
             low=low,
             high=high,
             units=units[f"effects.{closure.effect}.{name}"],
-            prior=form.PriorRange(**CATALOGUE[closure.effect].priors[name]._asdict()),
+            prior=form.PriorRange(**closure.priors[name]._asdict()),
         )
     return parts
 
