@@ -137,40 +137,62 @@ def learn_smooth(points, given, gap, covariance, kernel, apart):
     apart : (N, N) array
         Distance D of the runs of two points.
     """
-    observable, (_, first, run) = points.observable, np.unique(points.experiment, True, True)
-    names = np.unique(observable[given]).tolist()
+    smooth = Smooth(points, given, apart)
     own = np.ix_(given, given)
-    seen, known, among = gap[given], covariance[own], kernel[own]
-    between_runs = apart[np.ix_(first, first)]
-
-    def scaled(parameters, rows, kernel):
-        """Factors, rho, and S K S of some points."""
-        factors = dict(zip(names, np.exp(parameters[:-1]).tolist(), strict=True))
-        low, high = CORRELATIONS
-        rho = low + (high - low) / (1.0 + np.exp(-parameters[-1]))
-        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in observable[rows]])
-        shared = REPEATED * rho**between_runs / BETWEEN_RUNS
-        np.fill_diagonal(shared, 1.0)
-        between = shared[np.ix_(run[rows], run[rows])]
-        return factors, rho, between * kernel * np.outer(factor, factor)
+    seen, known = gap[given], covariance[own]
 
     def cost(parameters):
         """Minus the logarithm of likelihood and prior."""
-        total = known + scaled(parameters, given, among)[2]
+        total = known + smooth.covariance(parameters, given, kernel[own])
         try:
             factor = cho_factor(total, lower=True, check_finite=False)
         except LinAlgError:
             return 1.0e10
         log_determinant = 2.0 * np.log(np.diag(factor[0])).sum()
         fit = 0.5 * (seen @ cho_solve(factor, seen, check_finite=False) + log_determinant)
-        shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
-        return fit + 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
+        return fit + smooth.penalty(parameters)
 
-    start = np.append(np.log(first_factors(names, observable[given], seen, among)), 0.0)
+    first = first_factors(smooth.names, points.observable[given], seen, kernel[own])
+    start = np.append(np.log(first), 0.0)
     simplex = np.vstack([start, start + FIRST_STEP * np.eye(len(start))])
     options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02}
-    best = minimize(cost, start, method="Nelder-Mead", options=options)
-    return Discrepancy(*scaled(best.x, slice(None), kernel))
+    best = minimize(cost, start, method="Nelder-Mead", options=options).x
+    return Discrepancy(
+        smooth.factors(best), smooth.correlation(best), smooth.covariance(best, slice(None), kernel)
+    )
+
+
+class Smooth:
+    """S K S for given parameters: logarithms of the factors of the observables `names`, and the logit of rho."""
+
+    def __init__(self, points, given, apart):
+        self.observable = points.observable
+        self.names = np.unique(self.observable[given]).tolist()
+        _, first, self.run = np.unique(points.experiment, True, True)
+        self.between_runs = apart[np.ix_(first, first)]
+
+    def factors(self, parameters):
+        """{observable: factor}."""
+        return dict(zip(self.names, np.exp(parameters[:-1]).tolist(), strict=True))
+
+    def correlation(self, parameters):
+        """Correlation rho of runs one unit apart."""
+        low, high = CORRELATIONS
+        return float(low + (high - low) / (1.0 + np.exp(-parameters[-1])))
+
+    def covariance(self, parameters, rows, kernel):
+        """S K S of some points, whose `kernel` is given."""
+        factors = self.factors(parameters)
+        factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in self.observable[rows]])
+        shared = REPEATED * self.correlation(parameters) ** self.between_runs / BETWEEN_RUNS
+        np.fill_diagonal(shared, 1.0)
+        between = shared[np.ix_(self.run[rows], self.run[rows])]
+        return between * kernel * np.outer(factor, factor)
+
+    def penalty(self, parameters):
+        """Minus the logarithm of the prior."""
+        shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
+        return 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
 
 
 def first_factors(names, observable, gap, kernel):
