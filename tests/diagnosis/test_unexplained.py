@@ -238,7 +238,11 @@ def test_open_causes_without_a_region_are_not_described(points):
     assert unexplained_of(found, verdict("none", ("none", "gate"))) is None
     alone = unexplained_of(found, verdict(UNKNOWN))
     assert alone.regions == []
-    assert unexplained_words(alone) == "no place or moment stands out."
+    told = "no place or moment stands out; only all points together are off by more than chance explains."
+    assert unexplained_words(alone) == told
+    found.evidence.hypotheses[NONE].p_value = 0.99
+    told = "no place or moment stands out; chance explains all points together."
+    assert unexplained_words(unexplained_of(found, verdict(UNKNOWN))) == told
 
 
 # -- what it resembles -----------------------------------------------------------------------------

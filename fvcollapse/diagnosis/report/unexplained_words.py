@@ -5,6 +5,7 @@ that counts there (in thin layers one that does not grow with the pressure, at t
 thickness), what sets a phase apart is what the grains do then. No combination is written out by itself.
 """
 
+from fvcollapse.diagnosis.confirmation import CHECK_PASSED
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.diagnosis.report.words import hypothesis_name, listed, number
 from fvcollapse.diagnosis.unexplained import BACK, FRONT, MIDDLE, PILE, THIN
@@ -45,6 +46,7 @@ VERBS = {
     -1: "lets {0} move more easily",
     0: "changes the shape of {0} without holding or driving it",
 }
+ALL_POINTS = "only all points together are off by more than chance explains"
 MOST_PHASES = 2  # that are named; more are the whole collapse
 CHANGES = {1: "Grains move too easily in the simulation.", -1: "Grains do not move easily enough."}
 
@@ -57,7 +59,10 @@ def sentence(part):
     part : unexplained.Unexplained or schema_unexplained.Unexplained
     """
     if not part.shares:
-        return "no place or moment stands out"
+        alike = (
+            "chance explains all points together" if part.p_value >= CHECK_PASSED else ALL_POINTS
+        )
+        return f"no place or moment stands out; {alike}"
     places, phases = main_keys(part, "place"), main_keys(part, "phase")
     return f"{place_words(part, places)}, {time_words(part)}: {reading(part, places, phases)}"
 
@@ -99,10 +104,10 @@ def time_words(part):
     if start <= first and stop >= last:
         return "at all times"
     if start == stop:
-        return f"at {start:.2g} s"
+        return f"at {start:.2f} s"
     if stop >= last:
-        return f"from {start:.2g} s on"
-    return f"until {stop:.2g} s" if start <= first else f"from {start:.2g} to {stop:.2g} s"
+        return f"from {start:.2f} s on"
+    return f"until {stop:.2f} s" if start <= first else f"from {start:.2f} to {stop:.2f} s"
 
 
 def reading(part, places, phases):
