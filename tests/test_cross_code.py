@@ -116,7 +116,7 @@ def asked(tmp_path, *more):
 
 
 def test_answers_are_kept_and_given_once(tmp_path, monkeypatch, capsys):
-    """Each as soon as it is there; with another verdict layer they are given again."""
+    """Each as soon as it is there; with another diagnosis they are given again."""
     given = []
 
     def diagnosed(name, options):
@@ -143,9 +143,10 @@ def test_answers_are_kept_and_given_once(tmp_path, monkeypatch, capsys):
         f"{count} of {count} answered: none {count - 1}, unknown 1, an effect 0; "
         "largest probability of a wrong answer 0.80"
     )
-    layer = tmp_path / "layer.json"
+    layer = tmp_path / "diagnosis" / "verdict_model.json"
+    layer.parent.mkdir()
     layer.write_text("{}", encoding="utf-8")
-    monkeypatch.setattr(study, "LAYER", layer)
+    monkeypatch.setattr(study, "DIAGNOSIS", layer.parent)
     study.null(asked(tmp_path, "--only", "flat_3mm"))
     assert given[-1] == "flat_3mm"
     assert len(given) == count + 2

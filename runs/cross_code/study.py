@@ -9,24 +9,25 @@ FOLDER holds the curves of a volume-of-fluid code that solves the same equations
                   controls, alone and as series: answers.json, answers.csv
 
 Every answer but "none" is wrong. Films and pages go below --out; runs are kept in the cache of runs. An answer
-that was given by the present solver and verdict layer is not given again.
+that was given by the present solver and diagnosis is not given again.
 """
 
 import json
 import sys
 from functools import partial
 from hashlib import sha256
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from fvcollapse import diagnose, observe
 from fvcollapse.blind.measurement import Errors
+from fvcollapse.diagnosis import baseline
 from fvcollapse.diagnosis.baseline import REFINEMENT
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.report.standing import standing
-from fvcollapse.diagnosis.verdict_model import SHIPPED as LAYER
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 from runs.cross_code.films import PEERS, write_experiment
@@ -35,6 +36,8 @@ from runs.study import main as call
 from runs.table import write_table
 
 ANSWERS = "answers.json"
+DIAGNOSIS = Path(baseline.__file__).parent
+SOURCES = (".py", ".json")
 EXACT = Errors(*[0.0] * len(Errors._fields))
 REFINEMENTS = (1.0, REFINEMENT, 0.5)  # cell sizes relative to the coarser grid of a diagnosis
 
@@ -111,7 +114,7 @@ def null(options):
     """Diagnose what is not answered yet; every answer is written as soon as it is there."""
     path = options.tables / ANSWERS
     answers = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    made_with = {"solver": solver_version(), "layer": sha256(LAYER.read_bytes()).hexdigest()[:12]}
+    made_with = {"solver": solver_version(), "diagnosis": digest_of(DIAGNOSIS)}
     for name in options.only or QUESTIONS:
         if answers.get(name, {}).get("made_with") == made_with:
             continue
@@ -124,6 +127,12 @@ def null(options):
     rows = [row_of(name, answer) for name, answer in answers.items()]
     write_table(options.tables / "answers.csv", rows)
     print(summary(answers))
+
+
+def digest_of(folder):
+    """Digest of the modules and of the verdict layer in a folder."""
+    texts = [path.read_bytes() for path in sorted(folder.iterdir()) if path.suffix in SOURCES]
+    return sha256(b"".join(texts)).hexdigest()[:12]
 
 
 def diagnosed(name, options):
@@ -140,7 +149,7 @@ def diagnosed(name, options):
         cell_size=options.cell_size,
         cache=options.cache,
         quiet=False,
-        force=True,  # the verdict layer may be another one
+        force=True,  # the answer of an earlier diagnosis
     )
 
 
