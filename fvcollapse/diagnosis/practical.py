@@ -30,7 +30,8 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN
 # against this one on the finer cells of a diagnosis (8.75 mm), `python -m runs.cross_code.study differences`. On 3 mm
 # cells of that code 1.63 mm (0 degrees) and 1.97 mm (22) of a column of 140 mm, 10 of 210 mm and 85 of 1058 mm of way;
 # on 6 mm cells 1.89 and 2.15 mm, 14 of 210 mm and 125 of 1128 mm. The largest of these count: which grid a code has is
-# no cause either (so the null of that study does not test this number). The front at 22 degrees is the end of a layer of millimetres, on whose thickness both agree.
+# no cause either. (The null of that study asks about the same collapses: it does not test these numbers.) The front at
+# 22 degrees is the end of a layer of millimetres, on whose thickness both agree.
 CROSS_CODE = {"profiles": 0.0154, "front": 0.111}
 
 
