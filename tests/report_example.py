@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from fvcollapse.diagnosis.names import BASELINE, RECALIBRATED, RUNNER_UP, WINNER
 from fvcollapse.diagnosis.report import schema as form
+from fvcollapse.diagnosis.report.unexplained_words import sentence
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import CURVES, QUANTITIES
@@ -272,6 +273,38 @@ def confirmation():
             *folds,
             form.Fold(HELD_OUT[0], 1.0, 1.0, True, winner_left=0.62, runner_up_left=0.81),
         ],
+    )
+
+
+def with_remainder(report):
+    """The report with the sizes in practice and a remainder: thin layers at the front, late."""
+    found = next(one for one in report.where if one.observable == "profiles")
+    part = form.Unexplained(
+        beside="none",
+        p_value=1e-6,
+        regions=[found],
+        shares=[
+            form.PlaceShare("thin part", "deposit", 0.6, 1.0),
+            form.PlaceShare("front", "arrest", 0.37, 1.0),
+            form.PlaceShare("middle", "arrest", 0.03, 0.0),
+        ],
+        sizes={"profiles": form.RemainderSize(0.0043, 0.0041, 3.2, "m")},
+        direction=1.0,
+        experiment=found.experiment,
+        t_range=(0.62, 1.4),
+        span=(0.04, 1.4),
+        resembles=[
+            form.Likeness(EFFECTS[0], 0.83, 2.14, ["front"]),
+            form.Likeness(EFFECTS[1], -0.4, 0.0, []),
+        ],
+    )
+    practical = {
+        "profiles": form.Practical(0.0043, 0.0034, 0.625, 0.0026, "m", None, 0.00196, True),
+        "front": form.Practical(0.02, 0.0, 0.0, 0.018, "m", None, 0.05, False),
+    }
+    unexplained = replace(part, words=sentence(part))
+    return replace(
+        report, details=replace(report.details, practical=practical, unexplained=unexplained)
     )
 
 

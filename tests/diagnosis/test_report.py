@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 from msgspec.structs import replace
-from report_example import EFFECTS, FITTED, HELD_OUT, example
+from report_example import EFFECTS, FITTED, HELD_OUT, example, with_remainder
 
 from fvcollapse.diagnosis.names import BASELINE
 from fvcollapse.diagnosis.report.report_file import (
@@ -261,3 +261,26 @@ def test_a_report_that_was_edited_is_checked(tree, tmp_path):
 def test_a_missing_report(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_report(tmp_path / "nothing" / FILE_NAME)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"shares": []}, "0 beside 1 regions"),
+        ({"experiment": HELD_OUT[0]}, "not fitted"),
+        ({"beside": "magnetism"}, "'magnetism', which has no probability"),
+    ],
+)
+def test_a_remainder_belongs_to_its_report(changes, words):
+    whole = with_remainder(example("unknown"))
+    assert json.loads(to_json(whole))["details"]["unexplained"]["direction"] == 1.0
+    part = replace(whole.details.unexplained, **changes)
+    with pytest.raises(ReportError, match=words):
+        to_json(with_details(whole, unexplained=part))
+
+
+def test_sizes_in_practice_are_of_what_was_compared():
+    whole = with_remainder(example("unknown"))
+    practical = {"porosity": whole.details.practical["front"]}
+    with pytest.raises(ReportError, match="'porosity', which was not compared"):
+        to_json(with_details(whole, practical=practical))

@@ -9,7 +9,7 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 from msgspec.structs import replace
-from report_example import EFFECTS, FITTED, HELD_OUT, example
+from report_example import EFFECTS, FITTED, HELD_OUT, example, with_remainder
 
 from fvcollapse.diagnosis.gap_map import Region as MapRegion
 from fvcollapse.diagnosis.names import BASELINE, WINNER
@@ -476,3 +476,37 @@ def test_figures_of_a_process_that_dies_are_drawn_here(folder):
 
     report = read_report(folder)
     assert pictures(report, Painter(Dead()).draw) == pictures(report)
+
+
+def test_what_is_left_unexplained_is_on_the_page_and_in_the_answer(report, page, tmp_path):
+    left = with_remainder(small("unknown", experiments=(FITTED[0],), observables=()))
+    told = written(left, tmp_path)
+    place = "front only, in the thin part, from 0.62 s on: something that holds thin layers"
+    line = next(text for text in sentences.answer(left) if text.startswith("Unexplained: "))
+    assert line.startswith(
+        f"Unexplained: {place} as it comes to rest and after it has come to rest."
+    )
+    assert "thickness 0.43 cm (3.2 sd)" in line
+    first, second = (words.hypothesis_name(name) for name in EFFECTS[:2])
+    against = "2.1 times as strong as is plausible, front position would fit worse"
+    alike = f"{first} (0.83, {against}) and the opposite of {second} (0.4)"
+    assert f"resembles (cosine) {alike}." in line
+    assert place in told.text[: told.text.index("Which effect causes it")]
+    chapter = told.text[told.text.index("What is left unexplained") :]
+    assert "thin part deposit 60 % move too easily" in chapter
+    assert "middle" not in chapter[: chapter.index("Shares of the sum")]  # 3 %
+    assert "unexplained" not in page.ids
+    assert not any(text.startswith("Unexplained") for text in sentences.answer(report))
+
+
+def test_the_size_in_practice_stands_beside_the_statistics(tmp_path):
+    left = with_remainder(small("unknown", experiments=(FITTED[0],), observables=()))
+    told = written(left, tmp_path).text
+    row = told[told.index("How large it is in practice") :]
+    assert "thickness 0.34 cm 62 % 0.26 cm \N{EN DASH} 0.2 cm yes" in row
+    assert "front position 0 cm 0 % 1.8 cm \N{EN DASH} 5 cm no" in row
+    where = " ".join(sentences.parts_of(left).where)
+    assert (
+        "Beyond noise and calibration (root mean square): thickness 0.34 cm; two codes for the same equations "
+        "differ by thickness 0.2 cm."
+    ) in where

@@ -15,6 +15,7 @@ def contradictions(report):
     yield from comparison_contradictions(report)
     yield from separability_contradictions(report.details.separability)
     yield from ladder_contradictions(report)
+    yield from remainder_contradictions(report)
 
 
 def verdict_contradictions(report):
@@ -110,3 +111,23 @@ def ladder_contradictions(report):
     confirmation = report.details.confirmation
     if confirmation is not None and confirmation.wording == "confirmed" and not report.held_out:
         yield "details.confirmation", "'confirmed' although no experiment was held out"
+
+
+def remainder_contradictions(report):
+    """Sizes of what was not compared, and shares of what is left that are none."""
+    for name in report.details.practical:
+        if name not in report.by_observable:
+            yield "details.practical", f"{name!r}, which was not compared"
+    part, key = report.details.unexplained, "details.unexplained"
+    if part is None:
+        return
+    total = math.fsum(one.share for one in part.shares)
+    if part.shares and abs(total - 1.0) > SUM_TOLERANCE:
+        yield f"{key}.shares", f"a sum of {total:.8g} instead of 1"
+    if bool(part.shares) != bool(part.regions):
+        yield f"{key}.shares", f"{len(part.shares)} beside {len(part.regions)} regions"
+    for name in {part.experiment, *(one.experiment for one in part.regions)}:
+        if name not in report.experiments:
+            yield key, f"the experiment {name!r}, not fitted"
+    if part.beside not in report.verdict.probability:
+        yield f"{key}.beside", f"{part.beside!r}, which has no probability"

@@ -13,7 +13,7 @@ from fvcollapse.diagnosis.report.assumed import assumptions
 from fvcollapse.diagnosis.report.candidates import candidates, hypotheses, separability
 from fvcollapse.diagnosis.report.limits import grain_words, limits, model_words
 from fvcollapse.diagnosis.report.reductions import confirmation_of, reductions, rms, rungs
-from fvcollapse.diagnosis.report.regions import region_lines
+from fvcollapse.diagnosis.report.remainder import practical_of, region_parts, unexplained_of
 from fvcollapse.diagnosis.report.words import candidate_words
 
 
@@ -39,7 +39,7 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
         experiments=[experiment.name for experiment in analysis.experiments],
         held_out=[experiment.name for experiment in held],
         baseline_case=analysis.question.baseline.to_toml(),
-        where=regions_of(analysis),
+        where=region_parts(analysis.points, analysis.gap_map.regions, analysis.gap_map.z),
         by_observable=levels_of(analysis),
         verdict=answer_of(verdict),
         candidates=candidates(analysis, verdict),
@@ -55,6 +55,8 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
             budget=budget(analysis),
+            practical=practical_of(analysis),
+            unexplained=unexplained_of(analysis, verdict),
             grains=grain_words(analysis.evidence.balance),
             hypotheses=hypotheses(analysis, verdict),
             separability=separability(analysis, verdict),
@@ -76,27 +78,6 @@ def answer_of(verdict):
         probability=dict(verdict.probability),
         set=list(verdict.set),
     )
-
-
-def regions_of(analysis):
-    """Significant regions of the gap."""
-    gap_map = analysis.gap_map
-    lines = region_lines(analysis.points, gap_map.regions)
-    return [
-        form.Region(
-            experiment=region.experiment,
-            observable=region.observable,
-            t_range=region.t_range,
-            x_range=region.x_range,
-            gap=region.gap,
-            units=region.units,
-            significance=float(np.abs(gap_map.z[region.points]).max()),
-            gap_sd=region.uncertainty,
-            p_value=region.p_value,
-            words=line,
-        )
-        for region, line in zip(gap_map.regions, lines, strict=True)
-    ]
 
 
 def levels_of(analysis):

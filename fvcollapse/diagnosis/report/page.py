@@ -21,6 +21,7 @@ from fvcollapse.diagnosis.report.tables import (
     candidate_rows,
     gap_rows,
     picture_groups,
+    practical_rows,
     reduction_rows,
     rung_rows,
     scalar_rows,
@@ -28,6 +29,7 @@ from fvcollapse.diagnosis.report.tables import (
     share_table,
     shown_parameter,
 )
+from fvcollapse.diagnosis.report.unexplained_words import likeness_words
 from fvcollapse.errors import OutputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.quantities import observable_words
@@ -115,6 +117,7 @@ def environment():
         "meaning": words.effect_meaning,
         "listed": words.listed,
         "region": region_words,
+        "likeness": likeness_words,
         "shown": shown_parameter,
         "in_cm": words.in_cm,
         "address": address,
@@ -144,6 +147,7 @@ def tables_of(report):
         "set_ups": set_up_rows(report),
         "regions": sorted(report.where, key=lambda region: -region.significance),
         "gaps": gap_rows(report),
+        "practical": practical_rows(report),
         "shares": share_table(report),
         "scalars": scalar_rows(report),
         "candidates": candidate_rows(report),

@@ -28,6 +28,13 @@ from fvcollapse.diagnosis.report.schema_reduction import (
     Reductions,
     Rung,
 )
+from fvcollapse.diagnosis.report.schema_unexplained import (
+    Likeness,
+    PlaceShare,
+    Practical,
+    RemainderSize,
+    Unexplained,
+)
 
 __all__ = [
     "Assumption",
@@ -39,21 +46,26 @@ __all__ = [
     "Details",
     "Fold",
     "HypothesisSummary",
+    "Likeness",
     "Made",
     "Misfit",
     "NextExperiment",
     "ObservableGap",
     "Parameter",
+    "PlaceShare",
+    "Practical",
     "PriorRange",
     "Reduction",
     "Reductions",
     "Region",
+    "RemainderSize",
     "Report",
     "RunGroup",
     "Rung",
     "Separability",
     "SetUp",
     "Share",
+    "Unexplained",
     "Verdict",
 ]
 FORMAT = "fvcollapse-report"
@@ -110,6 +122,10 @@ class Details(Part):
     shares : list of Share
     budget : dict
         Observable -> source of uncertainty -> root mean square standard deviation in its units.
+    practical : dict
+        Observable -> `Practical`: how large the gap is beside the errors that a model may honestly have.
+    unexplained : Unexplained or None
+        What no hypothesis explains; None where one cause is named, or where the open ones leave nothing significant.
     grains : list of str
         What is wrong with the mass balance of the measured profiles, one sentence each.
     hypotheses : dict
@@ -135,6 +151,8 @@ class Details(Part):
     comparisons: list[Comparison] = []
     shares: list[Share] = []
     budget: dict[str, dict[str, float]] = {}
+    practical: dict[str, Practical] = {}
+    unexplained: Unexplained | None = None
     grains: list[str] = []
     hypotheses: dict[str, HypothesisSummary] = {}
     separability: Separability | None = None

@@ -15,6 +15,7 @@ from fvcollapse.diagnosis.report.standing import (
     supports,
     without,
 )
+from fvcollapse.diagnosis.report.unexplained_words import practical_words, unexplained_words
 from fvcollapse.diagnosis.report.words import (
     effect_meaning,
     hypothesis_name,
@@ -40,7 +41,9 @@ class Answer(NamedTuple):
     cause, certainty, closed : str
         Which cause, how sure, how much of the gap it closes.
     where : list of str
-        Where the gap lies, and what is wrong with the measured profiles.
+        Where the gap lies, how large it is in practice, and what is wrong with the measured profiles.
+    unexplained : str
+        What no hypothesis explains; empty where nothing is left.
     following : str
         What to measure next; empty where nothing is left to separate.
     """
@@ -49,6 +52,7 @@ class Answer(NamedTuple):
     certainty: str
     closed: str
     where: list
+    unexplained: str
     following: str
 
 
@@ -59,7 +63,8 @@ def parts_of(report):
         cause=cause_words(report),
         certainty=certainty(report),
         closed=closed_words(report),
-        where=[where_sentence(report), *report.details.grains],
+        where=[where_sentence(report), *practical_words(report), *report.details.grains],
+        unexplained=unexplained_words(report.details.unexplained),
         following="" if following is None else next_sentence(following),
     )
 
@@ -73,7 +78,8 @@ def answer(report):
         f"Gap closed: {parts.closed}",
         f"Where: {' '.join(parts.where)}",
     ]
-    return [*lines, f"Next: {parts.following}"] if parts.following else lines
+    further = {"Unexplained": parts.unexplained, "Next": parts.following}
+    return [*lines, *(f"{label}: {text}" for label, text in further.items() if text)]
 
 
 def headline(report):

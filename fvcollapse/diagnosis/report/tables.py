@@ -49,6 +49,17 @@ def gap_rows(report):
     return rows
 
 
+def practical_rows(report):
+    """(observable, unit, beyond noise, share of the mean square, uncertainty, controls, codes, larger) as shown."""
+    rows = []
+    for name, part in report.details.practical.items():
+        factor, unit = shown_gap(name, part.units)
+        sizes = (part.beyond, part.uncertainty, part.controls, part.codes)
+        shown = [words.number(None if size is None else factor * size, 2) for size in sizes]
+        rows.append((name, unit, shown[0], part.share, *shown[1:], part.is_larger))
+    return rows
+
+
 def share_table(report):
     """Rows (observable, phase, [(share, sign) or None for each experiment]), what is tiny left out."""
     found = {
