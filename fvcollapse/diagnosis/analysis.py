@@ -12,7 +12,7 @@ import numpy as np
 
 from fvcollapse.diagnosis.baseline import REFINEMENT
 from fvcollapse.diagnosis.calibration import calibration_of
-from fvcollapse.diagnosis.controls import Discrepancy, condition, learn, set_ups_apart
+from fvcollapse.diagnosis.controls import Discrepancy, Shown, condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import (
     discrepancy_amplitude,
     discrepancy_kernel,
@@ -239,7 +239,7 @@ def discount(question, library, uncertainty):
     given = ~wanted & (points.kind == "value")
     run = points.per_point(lambda block: points.names.index(block.experiment))
     apart = set_ups_apart(points.experiments)[np.ix_(run, run)]
-    learned = learn(points, given, gap, known, uncertainty.kernel, apart, library.everywhere)
+    learned = learn(Shown(points, given, gap), known, uncertainty.kernel, apart, library.everywhere)
     conditioned = condition(given, wanted, gap, known + learned.covariance)
     return Discount(*conditioned, learned, everything + learned.covariance)
 

@@ -24,6 +24,7 @@ from scipy.spatial.distance import cdist
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
+from fvcollapse.diagnosis.points import Points
 from fvcollapse.diagnosis.shared_physics import covariance_of, shared_physics
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
@@ -67,6 +68,24 @@ class Discrepancy(NamedTuple):
     effects: dict = {}  # noqa: RUF012
 
 
+class Shown(NamedTuple):
+    """What the controls show.
+
+    Attributes
+    ----------
+    points : Points
+        Of experiments and controls, N of them.
+    given : (N,) bool array
+        Points of the controls whose gap is known (a bound is no gap).
+    gap : (N,) array
+        Simulated - measured.
+    """
+
+    points: Points
+    given: np.ndarray
+    gap: np.ndarray
+
+
 class Conditioned(NamedTuple):
     """Mean (n,) and covariance (n, n) of the gap of some points, given that of others."""
 
@@ -101,45 +120,41 @@ def set_ups_apart(experiments):
     return cdist(places, places) + shaped
 
 
-def learn(points, given, gap, covariance, kernel, apart, columns=None):
+def learn(shown, covariance, kernel, apart, columns=None):
     """The `Discrepancy` that the controls show, with the effects of the catalogue that explain it best.
 
     Parameters
     ----------
-    points, given, gap, covariance, kernel, apart
+    shown : Shown
+    covariance, kernel, apart
         See `learn_smooth`.
     columns : dict, optional
         Effect -> its changes of all runs; see `shared_physics`.
     """
-    smooth = learn_smooth(points, given, gap, covariance, kernel, apart)
+    smooth = learn_smooth(shown, covariance, kernel, apart)
     columns = columns or {}
-    effects = shared_physics(columns, given, gap, covariance, smooth.covariance)
+    effects = shared_physics(columns, shown.given, shown.gap, covariance, smooth.covariance)
     if not effects:
         return smooth
-    physics = covariance_of(columns, effects, len(points))
-    rest = learn_smooth(points, given, gap, covariance + physics, kernel, apart)
+    physics = covariance_of(columns, effects, len(shown.points))
+    rest = learn_smooth(shown, covariance + physics, kernel, apart)
     return rest._replace(covariance=rest.covariance + physics, effects=effects)
 
 
-def learn_smooth(points, given, gap, covariance, kernel, apart):
+def learn_smooth(shown, covariance, kernel, apart):
     """The `Discrepancy` without an effect of the catalogue.
 
     Parameters
     ----------
-    points : Points
-        Of experiments and controls.
-    given : (N,) bool array
-        Points of the controls whose gap is known (a bound is no gap).
-    gap : (N,) array
-        Simulated - measured.
+    shown : Shown
     covariance, kernel : (N, N) arrays
         U and K_delta.
     apart : (N, N) array
         Distance D of the runs of two points.
     """
-    smooth = Smooth(points, given, apart)
+    given, smooth = shown.given, Smooth(shown, apart)
     own = np.ix_(given, given)
-    seen, known = gap[given], covariance[own]
+    seen, known = shown.gap[given], covariance[own]
 
     def cost(parameters):
         """Minus the logarithm of likelihood and prior."""
@@ -152,7 +167,7 @@ def learn_smooth(points, given, gap, covariance, kernel, apart):
         fit = 0.5 * (seen @ cho_solve(factor, seen, check_finite=False) + log_determinant)
         return fit + smooth.penalty(parameters)
 
-    first = first_factors(smooth.names, points.observable[given], seen, kernel[own])
+    first = first_factors(smooth.names, smooth.observable[given], seen, kernel[own])
     start = np.append(np.log(first), 0.0)
     simplex = np.vstack([start, start + FIRST_STEP * np.eye(len(start))])
     options = {"initial_simplex": simplex, "xatol": 0.02, "fatol": 0.02}
@@ -165,10 +180,10 @@ def learn_smooth(points, given, gap, covariance, kernel, apart):
 class Smooth:
     """S K S for given parameters: logarithms of the factors of the observables `names`, and the logit of rho."""
 
-    def __init__(self, points, given, apart):
-        self.observable = points.observable
-        self.names = np.unique(self.observable[given]).tolist()
-        _, first, self.run = np.unique(points.experiment, True, True)
+    def __init__(self, shown, apart):
+        self.observable = shown.points.observable
+        self.names = np.unique(self.observable[shown.given]).tolist()
+        _, first, self.run = np.unique(shown.points.experiment, True, True)
         self.between_runs = apart[np.ix_(first, first)]
 
     def factors(self, parameters):

@@ -9,7 +9,7 @@ from toy_laboratory import ToyRunner, film, only_numbers
 
 from fvcollapse import load_experiment
 from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.controls import condition, learn, set_ups_apart
+from fvcollapse.diagnosis.controls import Shown, condition, learn, set_ups_apart
 from fvcollapse.diagnosis.covariance import discrepancy_kernel
 from fvcollapse.diagnosis.diagnose import with_known
 from fvcollapse.diagnosis.question import Question
@@ -214,7 +214,7 @@ def test_a_control_of_the_same_set_up_teaches_most(distance, share):
     known, given = np.diag(points.sigma**2), points.experiment == "r0"
     gap = 10.0 * points.sigma
     apart = np.where(points.experiment[:, None] == points.experiment, 0.0, distance)
-    learned = learn(points, given, gap, known, kernel, apart)
+    learned = learn(Shown(points, given, gap), known, kernel, apart)
     found = condition(given, ~given, gap, known + learned.covariance)
     low, high = share
     assert low < np.mean(found.mean / gap[~given]) < high
@@ -230,7 +230,7 @@ def test_learning_finds_the_size_of_a_known_discrepancy():
     covariance = known + kernel * np.outer(factor, factor)
     gap = np.linalg.cholesky(covariance) @ rng.standard_normal(len(points))
     apart = np.where(points.experiment[:, None] == points.experiment, 0.0, 1.0)
-    found = learn(points, np.ones(len(points), bool), gap, known, kernel, apart)
+    found = learn(Shown(points, np.ones(len(points), bool), gap), known, kernel, apart)
     assert 0.8 < found.factors["front"] < 5.0
     assert 0.25 < found.factors["profiles"] < 1.0
     assert 0.02 < found.correlation < 0.98

@@ -315,7 +315,7 @@ def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folder
 def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
     layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
     loaded = None if lacking == "model" else layer
-    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda: loaded))
+    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda controls=False: loaded))
     kind = np.full(20 if lacking == "values" else 200, "value")
     controls = (object(),) if lacking == "controls" else ()
     question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fake_points import fake_points
 
-from fvcollapse.diagnosis.controls import condition, learn
+from fvcollapse.diagnosis.controls import Shown, condition, learn
 from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
 from fvcollapse.diagnosis.shared_physics import covariance_of, shared_physics
 
@@ -65,7 +65,7 @@ def test_what_a_control_shows_is_expected_of_the_experiment_in_its_own_size(runs
     apart = APART * (run[:, None] != run)
     rest = {}
     for physics in ({}, columns):
-        learned = learn(points, control, gap, known, kernel, apart, physics)
+        learned = learn(Shown(points, control, gap), known, kernel, apart, physics)
         expected = condition(control, ~control, gap, known + learned.covariance)
         rest[bool(physics)] = 0.7 * shapes["drag"][~control] - expected.mean
     deviation = np.sqrt(np.diag(expected.covariance))  # with the effect
