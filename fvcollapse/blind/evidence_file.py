@@ -8,7 +8,7 @@ import numpy as np
 from fvcollapse.blind.forms import NAMES, Share, Whole, is_name, read_form
 from fvcollapse.blind.separation import separation_of
 from fvcollapse.blind.simple_rules import chi_square, signature
-from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.evidence import Evidence, Hypothesis, Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.errors import InputError
@@ -44,6 +44,14 @@ class StoredHypothesis(msgspec.Struct):
     worsens: list[str]
 
 
+class StoredLeft(msgspec.Struct):
+    """See `evidence.Left`."""
+
+    regions: Whole
+    practical: NotNegative
+    gain: float
+
+
 class Simple(msgspec.Struct):
     """Statistics of the simple rules (see `simple_rules`)."""
 
@@ -70,6 +78,7 @@ class EvidenceFile(msgspec.Struct):
 
     hypotheses: dict[str, StoredHypothesis]
     mass_balance: tuple[Pair, tuple[Pair, Pair]] | None
+    left: StoredLeft | None
     classes: list[list[str]]
     simple: Simple
     separation: Separation
@@ -86,6 +95,7 @@ def content_of(analysis):
             for name, hypothesis in analysis.evidence.hypotheses.items()
         },
         "mass_balance": stored_balance(analysis.evidence.balance),
+        "left": analysis.evidence.left._asdict(),
         "classes": [list(group) for group in analysis.separability.classes],
         "separation": separation_of(analysis),
         "simple": {"chi_square": chi_square(analysis), "signature": signature(analysis)},
@@ -145,7 +155,8 @@ def read_evidence(path):
     }
     stored = content["mass_balance"]
     balance = None if stored is None else MassBalance(*map(np.array, stored))
-    return content, Evidence(hypotheses, balance)
+    left = None if content["left"] is None else Left(**content["left"])
+    return content, Evidence(hypotheses, balance, left)
 
 
 def read_content(path):

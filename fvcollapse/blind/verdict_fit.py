@@ -32,6 +32,7 @@ from fvcollapse.errors import InputError
 # what an effect differs by, and of the numbers of a whole case
 PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
 FOLDS = 5
+LEAST_CASES = 4  # of a class
 
 
 class Origin(NamedTuple):
@@ -59,19 +60,19 @@ def fit(suite, effects, about=None, origins=None):
     Raises
     ------
     InputError
-        Fewer than `FOLDS` cases of a class.
+        Fewer than `LEAST_CASES` cases of a class.
     """
     effects = tuple(effects)
     truth = np.array([class_of(cause) for _, cause in suite])
     classes = tuple(sorted({class_of(cause) for _, cause in suite}))
     for name in classes:
         count = int(np.count_nonzero(truth == name))
-        if count < FOLDS:
-            raise InputError("suite", name, f"{count} cases", f">= {FOLDS} of every class")
+        if count < LEAST_CASES:
+            raise InputError("suite", name, f"{count} cases", f">= {LEAST_CASES} of every class")
     rows = [features(evidence, classes) for evidence, _ in suite]
     own, case = (np.array(part) for part in zip(*rows, strict=True))
     of_effects = own[:, [is_effect(name) for name in classes]]
-    mean, scale = np.nanmean(of_effects, axis=(0, 1)), spread(np.nanstd(of_effects, axis=(0, 1)))
+    mean, scale = moments(of_effects.reshape(-1, of_effects.shape[-1]))
     case_mean, case_scale = case.mean(axis=0), spread(case.std(axis=0))
     table = Table(
         standardised(own, mean, scale),
@@ -115,6 +116,15 @@ class Table(NamedTuple):
 def is_effect(name):
     """Whether a class is a single effect."""
     return name not in PRIOR
+
+
+def moments(values):
+    """Mean and standard deviation (p,) of the columns of (n, p), NaN left aside; 0 and 1 where nothing is known."""
+    known = ~np.isnan(values)
+    count = np.maximum(known.sum(axis=0), 1)
+    mean = np.where(known, values, 0.0).sum(axis=0) / count
+    variance = np.where(known, (values - mean) ** 2, 0.0).sum(axis=0) / count
+    return mean, spread(np.sqrt(variance))
 
 
 def spread(deviations):

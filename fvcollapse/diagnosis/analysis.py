@@ -23,6 +23,7 @@ from fvcollapse.diagnosis.evidence import Evidence, ModelComparison
 from fvcollapse.diagnosis.gap_map import GapMap, gap_map
 from fvcollapse.diagnosis.library import DRAWS, Library, add_levels, build_library
 from fvcollapse.diagnosis.mass_balance import mass_balance
+from fvcollapse.diagnosis.practical import with_left
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.separability import null_test, separability
 
@@ -122,7 +123,8 @@ class Analysis:
         """The `Evidence` of some effects, as if the others were not in the catalogue."""
         responses = {name: each for name, each in self.responses.items() if name in effects}
         comparison = ModelComparison(self.covariance, self.kernel, responses, self.points)
-        return replace(comparison.evidence(self.gap), balance=self.evidence.balance)
+        known = self.evidence
+        return replace(comparison.evidence(self.gap), balance=known.balance, left=known.left)
 
     @cached_property
     def separability(self):
@@ -168,7 +170,7 @@ def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEME
             break
         library = add_levels(library, wanted, runner)
         analysis = compare_again(analysis, library)
-    return analysis
+    return with_left(analysis)
 
 
 def uncertain_levels(analysis):

@@ -7,12 +7,12 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
 from fvcollapse.diagnosis.closing import closing, gaps_of
+from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.ladder import fold_fractions, fold_remainders
 from fvcollapse.diagnosis.names import EFFECT, NAMED, RECALIBRATED, RUNNER_UP, WINNER
 
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
 AT_BOUND = 1.0e-3  # quantile nearer than which to the end of the range a fit has been stopped by it
-CHECK_PASSED = 0.05  # p-value of the predictive check
 
 
 CONFIRMED, CONSISTENT, NOT_CONFIRMED = "confirmed", "consistent with", "not confirmed"

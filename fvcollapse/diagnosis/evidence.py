@@ -36,6 +36,7 @@ from fvcollapse.diagnosis.quadrature import (
 from fvcollapse.diagnosis.sign import DISCREPANCY, Direction
 
 PAIR_ODDS = 0.1
+CHECK_PASSED = 0.05  # p-value from which a hypothesis passes the predictive check
 WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
 # of the likelihood in the intervals of parameters. Responses come from one grid and from the material as it is
 # believed: at the hidden parameters of training cases the residual along the response is 2 to 10 standard
@@ -98,15 +99,35 @@ class Hypothesis(NamedTuple):
     worsens: tuple = ()
 
 
+class Left(NamedTuple):
+    """What asks for an explanation, see `practical.Remainder`.
+
+    Attributes
+    ----------
+    regions : int
+        Significant regions of the gap map.
+    practical : float
+        Largest size of what no re-calibration explains, over an honest error of the model.
+    gain : float
+        Fraction of the re-calibrated gap that the best hypothesis closes.
+    """
+
+    regions: int
+    practical: float
+    gain: float
+
+
 @dataclass(frozen=True)
 class Evidence:
     """All hypotheses by name, the one of the largest evidence x prior odds first.
 
-    `balance` is the `MassBalance` of the profiles, None where the data do not tell it.
+    `balance` is the `MassBalance` of the profiles, None where the data do not tell it; `left` what asks for an
+    explanation, None where that was not asked.
     """
 
     hypotheses: dict
     balance: MassBalance | None = None
+    left: Left | None = None
 
     @property
     def best(self):

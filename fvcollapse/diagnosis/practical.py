@@ -14,14 +14,15 @@ References
 Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425; ASME V&V 20 (2009).
 """
 
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from fvcollapse.diagnosis.closing import size
-from fvcollapse.diagnosis.confirmation import CHECK_PASSED
 from fvcollapse.diagnosis.covariance import discrepancy_of
+from fvcollapse.diagnosis.evidence import CHECK_PASSED, Left
 from fvcollapse.diagnosis.gap_map import beyond_bounds
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 
@@ -116,6 +117,13 @@ class Remainder(NamedTuple):
         return self.regions > 0 or self.p_value < CHECK_PASSED
 
     @property
+    def largest(self):
+        """Largest size beyond noise over an honest error of the model."""
+        return max(
+            (part.beyond / max(part.honest, 1.0e-12) for part in self.practical), default=0.0
+        )
+
+    @property
     def is_practical(self):
         """Whether some observable is off by more than an honest error of the model."""
         return any(part.is_larger for part in self.practical)
@@ -139,6 +147,13 @@ def something_unexplained(analysis):
         best_left=sizes[best],
         best=best,
     )
+
+
+def with_left(analysis):
+    """The analysis whose evidence tells what is `left`."""
+    remainder = something_unexplained(analysis)
+    left = Left(remainder.regions, remainder.largest, remainder.gain)
+    return dataclasses.replace(analysis, evidence=dataclasses.replace(analysis.evidence, left=left))
 
 
 def sizes_left(analysis):

@@ -6,8 +6,12 @@ points of these experiments alone, with the controls and the calibrated paramete
 
 from dataclasses import replace
 
+import numpy as np
+
 from fvcollapse.diagnosis.analysis import evidence_on
+from fvcollapse.diagnosis.gap_map import gap_map
 from fvcollapse.diagnosis.mass_balance import mass_balance
+from fvcollapse.diagnosis.practical import with_left
 
 
 def after(analysis, count):
@@ -23,7 +27,14 @@ def after(analysis, count):
     }
     balance = mass_balance(question.experiments, analysis.library.cases)
     changed = evidence_on(analysis.library, parts, points, balance)
-    return replace(analysis, question=question, **parts, **changed)
+    compared, rng = (
+        analysis.library.fine[own] - parts["shift"],
+        np.random.default_rng([question.seed, 1]),
+    )
+    changed["gap_map"] = gap_map(points, compared, parts["covariance"], rng)
+    for name in ("measurement", "numerical", "calibration"):
+        parts[name] = getattr(analysis, name)[own, own]
+    return with_left(replace(analysis, question=question, **parts, **changed))
 
 
 def sequence(analysis, judge):

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.diagnosis.sign import ruled_out
@@ -32,7 +33,6 @@ from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_RETAINED = 0.05  # and from which "none" is not given up
 CAP = 0.9  # largest probability without a model
-CHECK_FAILS = 0.05  # p-value of the predictive check below which a hypothesis fails it
 CLEAR = 10.0  # odds against none from which an effect is named although the check is passed
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 
@@ -155,7 +155,7 @@ def tempered_shares(evidence):
     hypotheses = evidence.hypotheses
     single = [name for name in hypotheses if name not in (NONE, UNKNOWN) and "+" not in name]
     best = max(single, key=lambda name: hypotheses[name].log_evidence, default=NONE)
-    fails = hypotheses[best].p_value < CHECK_FAILS
+    fails = hypotheses[best].p_value < CHECK_PASSED
     names = tuple(name for name in hypotheses if fails or "+" not in name)
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
     prior = class_prior(classes)

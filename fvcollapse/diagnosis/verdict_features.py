@@ -12,7 +12,11 @@ from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 TEMPERATURE = 10.0  # without a model
 NEAR = 20.0  # logarithm of an evidence ratio up to which it counts in proportion
 LEAST_SHARE = 1.0e-3
-FEATURES = ("behind", "behind_near", "sigma", "outside")  # of a hypothesis
+LEAST_RATIO, MOST_RATIO = (
+    0.05,
+    20.0,
+)  # of the size of what is left over an honest error of the model
+FEATURES = ("behind", "behind_near", "sigma", "outside", "closes", "worsens")  # of a hypothesis
 # (p-values are not among them: they tell how real the noise of the suite is, and on cases left out the answers
 # were no better with them)
 CASE_FEATURES = (
@@ -25,6 +29,8 @@ CASE_FEATURES = (
     "above_none",
     "above_unknown",
     "runs",
+    "regions",
+    "practical",
 )
 
 
@@ -54,7 +60,8 @@ def features(evidence, classes):
         if name in judged:
             behind = top - judged[name].log_evidence
             near = float(np.clip(behind, -NEAR, NEAR))
-            row[:] = (signed_log(behind), near, *shape_of(judged[name]))
+            each = judged[name]
+            row[:] = (signed_log(behind), near, *shape_of(each), *sign_of(each))
     none, unknown = hypotheses[NONE], hypotheses[UNKNOWN]
     best_sigma, best_outside = shape_of(best)
     none_sigma, none_outside = shape_of(none)
@@ -69,7 +76,7 @@ def features(evidence, classes):
         "above_none": signed_log(best.log_evidence - none.log_evidence),
         "above_unknown": signed_log(best.log_evidence - unknown.log_evidence),
         "runs": float(len(best.p_by_run)),
-    }
+    } | left_over(evidence.left)
     return rows, np.array([values[name] for name in CASE_FEATURES])
 
 
@@ -77,6 +84,20 @@ def shape_of(hypothesis):
     """Logarithms of the discrepancy and of the mean square outside the responses."""
     outside = max(hypothesis.residual_outside, LEAST_SHARE)
     return float(np.log(hypothesis.sigma)), float(np.log(outside))
+
+
+def sign_of(hypothesis):
+    """Share of the significant gap that any strength closes (NaN where that is not asked), observables made worse."""
+    closes = np.nan if hypothesis.closes is None else max(hypothesis.closes, 0.0)
+    return closes, float(len(hypothesis.worsens))
+
+
+def left_over(left):
+    """{feature of the case: value} of `Left`."""
+    if left is None:
+        return {"regions": 0.0, "practical": 0.0}
+    ratio = min(max(left.practical, LEAST_RATIO), MOST_RATIO)
+    return {"regions": float(np.log1p(left.regions)), "practical": float(np.log(ratio))}
 
 
 def signed_log(value):

@@ -26,7 +26,7 @@ from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 
-FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 3
+FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 4
 # of diagnoses without controls, and with them
 SHIPPED = Path(__file__).with_name("verdict_model.json")
 SHIPPED_CONTROLS = Path(__file__).with_name("verdict_model_controls.json")

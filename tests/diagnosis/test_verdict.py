@@ -7,13 +7,20 @@ import numpy as np
 import pytest
 
 from fvcollapse.blind.verdict_training import fit
-from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.evidence import Evidence, Hypothesis, Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.report.limits import model_words
 from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import CAP, NONE_RETAINED, capped, named, verdict
-from fvcollapse.diagnosis.verdict_features import CASE_FEATURES, class_of, features, known_logits
+from fvcollapse.diagnosis.verdict_features import (
+    CASE_FEATURES,
+    class_of,
+    features,
+    known_logits,
+    left_over,
+    sign_of,
+)
 from fvcollapse.diagnosis.verdict_model import (
     VerdictModel,
     class_prior,
@@ -156,7 +163,11 @@ def test_features_by_hand():
     behind = [1.0, 0.0, np.nan, np.nan, 3.0, 80.0, -4.0]  # two were not compared
     np.testing.assert_allclose(own[:, 0], np.sign(behind) * np.log1p(np.abs(behind)))
     np.testing.assert_allclose(own[:, 1], np.clip(behind, -20.0, 20.0))
-    np.testing.assert_allclose(own[0, 2:], np.log([0.2, 0.5]))
+    np.testing.assert_allclose(own[0, 2:4], np.log([0.2, 0.5]))
+    assert np.isnan(own[0, 4])  # nothing was asked of its sign
+    signed = evidence_of(logs).hypotheses["arms"]._replace(closes=-0.1, worsens=("front", "volume"))
+    assert sign_of(signed) == (0.0, 2.0)
+    assert left_over(Left(2, 1e3, 0.5)) == {"regions": np.log(3.0), "practical": np.log(20.0)}
     found = dict(zip(CASE_FEATURES, case, strict=True))
     assert found["pair_gain"] == pytest.approx(np.log(5.0))  # over the best of the others
     assert found["above_none"] == pytest.approx(np.log(4.0))
@@ -209,8 +220,8 @@ def test_a_file_that_was_changed_or_is_none_is_refused(model, tmp_path):
 
 
 def test_a_suite_that_is_too_small_is_refused():
-    with pytest.raises(InputError, match="arms: found 4 cases; allowed: >= 5"):
-        fit(suite(4, 1), EFFECTS)
+    with pytest.raises(InputError, match="arms: found 3 cases; allowed: >= 4"):
+        fit(suite(3, 1), EFFECTS)
 
 
 def test_without_a_model_evidences_are_tempered_and_capped():

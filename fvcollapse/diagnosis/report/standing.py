@@ -6,7 +6,8 @@ or together with a second one; two effects may therefore have more than 100 % be
 
 from typing import NamedTuple
 
-from fvcollapse.diagnosis.confirmation import CHECK_PASSED, CONFIRMED, CONSISTENT
+from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
+from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import BASELINE, NONE, UNKNOWN, effects_of
 
 NAMED, LEANING, OPEN, NOTHING, UNEXPLAINED = "named", "leaning", "open", "nothing", "unexplained"

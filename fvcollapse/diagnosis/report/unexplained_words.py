@@ -5,7 +5,7 @@ that counts there (in thin layers one that does not grow with the pressure, at t
 thickness), what sets a phase apart is what the grains do then. No combination is written out by itself.
 """
 
-from fvcollapse.diagnosis.confirmation import CHECK_PASSED
+from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.diagnosis.report.words import hypothesis_name, listed, number
 from fvcollapse.diagnosis.unexplained import BACK, FRONT, MIDDLE, PILE, THIN
