@@ -23,6 +23,9 @@ class Dilatancy(Section):
     dilatancy_factor: Annotated[
         float, key("-", "K of tan(psi) = K (nu - nu_eq); 0 = incompressible", ge=0, le=20)
     ] = 0.0
+    friction_factor: Annotated[
+        float, key("-", "F of the friction mu(I) + F tan(psi); 1 = the work of dilation", ge=0, le=5)
+    ] = 1.0
     solid_fraction_critical: Annotated[
         float, key("-", "nu_eq of slow shear, I = 0", ge=0.3, le=0.74)
     ] = 0.60

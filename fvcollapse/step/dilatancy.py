@@ -59,6 +59,7 @@ class Dilatancy(NamedTuple):
     fraction_critical: float
     slope: float
     fraction_bulk: float
+    friction_factor: float
 
 
 def dilatancy_law(case):
@@ -66,9 +67,13 @@ def dilatancy_law(case):
     effect = case.effects.dilatancy
     bulk = case.rheology.density_bulk / case.rheology.density_grain
     if effect is None:
-        return Dilatancy(0.0, bulk, 0.0, bulk)
+        return Dilatancy(0.0, bulk, 0.0, bulk, 1.0)
     return Dilatancy(
-        effect.dilatancy_factor, effect.solid_fraction_critical, effect.solid_fraction_slope, bulk
+        effect.dilatancy_factor,
+        effect.solid_fraction_critical,
+        effect.solid_fraction_slope,
+        bulk,
+        effect.friction_factor,
     )
 
 
@@ -181,7 +186,7 @@ def dilate(
             p = pressure_filled[i, k] / v
             s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)
             source[i, k] += share * (s - source[i, k])
-            total = friction_before[i, k] + max(s / rate, -material.mu_1)
+            total = friction_before[i, k] + max(law.friction_factor * s / rate, -material.mu_1)
             friction[i, k] += share * (total - friction[i, k])
             p = max(p, (material.grain_scale * rate) ** 2)
             s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)
