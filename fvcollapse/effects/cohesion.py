@@ -3,8 +3,8 @@
     tau = mu(I) (p + p_c) + kappa_0,  I of p + p_c,  p >= -p_c;    nu_eq(I) less by `solid_fraction_loss`
 
 `adhesion` is p_c. It strengthens the grains by mu(I) p_c, and they bear tension down to -p_c. At the free surface
-p = 0, so the grains there rub with p_c. Walls hold the grains as these do each other. Equations and discretisation stand
-in `fvcollapse/step/adhesion.py`.
+p = 0, so the grains there rub with p_c. Walls hold the grains as these do each other. Equations and discretisation
+stand in `fvcollapse/step/adhesion.py`.
 
 Adhesive grains flow, and come to rest, more loosely packed. `solid_fraction_loss` is what nu_eq loses: sheared grains
 expand towards it as those of `dilatancy` do, and rub more until they are there. Beside `dilatancy` it is taken from the

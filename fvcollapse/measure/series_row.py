@@ -36,7 +36,6 @@ from fvcollapse.step.flow import (
 )
 from fvcollapse.step.geometry import WET
 
-
 SHAPE = (
     "time",
     "front_position",

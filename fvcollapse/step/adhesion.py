@@ -5,7 +5,8 @@
 The solver's pressure is that between the grains, P' = p + p_c. So every law, every friction and the condition P' >= 0
 stay as they are, and tension down to p = -p_c is what P' >= 0 allows. Inside the grains grad P' = grad p. At the free
 surface p = 0, so P' = p_c: the grains are held together as by a membrane that presses with p_c. With the filled
-fraction v of a cell and the divergence B of the faces the force of the pressure is B^T (v p) = B^T (v P') - B^T (v p_c).
+fraction v of a cell and the divergence B of the faces the force of the pressure is B^T (v p), which is
+B^T (v P') - B^T (v p_c).
 The second term is that membrane. It acts in partly filled cells only, and grains with v P' = v p_c feel no force, to
 the last bit. Cells with v <= `WET` have no pressure, and no membrane.
 
@@ -68,7 +69,5 @@ def opening_power(adhesion, u, w, geometry, dx, dz):
     for i in range(geometry.first, geometry.last):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] > WET:
-                power += geometry.filled[i, k] * divergence(
-                    u, w, geometry.aperture, i, k, dx, dz
-                )
+                power += geometry.filled[i, k] * divergence(u, w, geometry.aperture, i, k, dx, dz)
     return adhesion * power

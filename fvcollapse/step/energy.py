@@ -32,7 +32,8 @@ class Work(NamedTuple):
     """Work done against each resistance, J/m.
 
     bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included,
-    less what the grains do against the pressure in dilating (with what they pay for opening), and against the forces of terms that act before
+    less what the grains do against the pressure in dilating, plus what they pay for opening (`adhesion`), less
+    the work of terms that act before
     the solve; bed, back_wall: slip along them;
     lateral: the channel's side walls; gate: friction along it less what its motion gives the
     grains, so it may be negative.

@@ -1,10 +1,14 @@
-"""Cohesion: a layer on a slope has a plug as thick as the cohesion carries, and rests if it is thinner."""
+"""Cohesion: a layer on a slope has a plug as thick as the cohesion carries, and rests if it is thinner.
+
+Adhesion: the same with kappa_0 = mu_1 p_c, tension down to -p_c, a looser packing. The problems of
+`fvcollapse/verification/problems/adhesion.py` hold the exact solutions.
+"""
 
 import math
 
 import numpy as np
 import pytest
-from effect_runs import centre_of_mass, collapse
+from effect_runs import centre_of_mass, collapse, same_to_the_last_bit
 
 from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
@@ -73,3 +77,117 @@ def test_refused_without_a_yield_stress():
     with pytest.raises(CaseError) as caught:
         Case().replace(**{"rheology.law": "newtonian", "effects.cohesion": {"kappa_0": 10.0}})
     assert caught.value.key == "effects.cohesion"
+
+
+# -- adhesion ------------------------------------------------------------------------------------
+
+ADHESION, LOSS = 200.0, 0.04
+
+
+def bulk_fraction(case):
+    return case.rheology.density_bulk / case.rheology.density_grain
+
+
+def test_kappa_0_alone_is_a_key_of_the_law():
+    case = Case().replace(**{"effects.cohesion": {"kappa_0": 30.0}, "rheology.cohesion": 5.0})
+    assert case.resolved.effects.cohesion is None
+    assert case.resolved.rheology.cohesion == 35.0
+    assert case.resolved.effects.dilatancy is None
+
+
+def test_adhesion_stays_and_the_loss_goes_to_dilatancy():
+    case = Case().replace(
+        **{"effects.cohesion": {"adhesion": ADHESION, "solid_fraction_loss": LOSS}}
+    )
+    section = case.resolved.effects.dilatancy
+    assert case.resolved.effects.cohesion.adhesion == ADHESION
+    assert case.resolved.rheology.cohesion == 0.0
+    assert section.solid_fraction_critical == pytest.approx(bulk_fraction(case) - LOSS)
+    assert section.dilatancy_factor > 0.0
+    assert case.resolved.resolved == case.resolved
+
+
+def test_the_loss_is_taken_from_the_critical_fraction_of_dilatancy():
+    dilatancy = {"dilatancy_factor": 2.0, "solid_fraction_critical": 0.59}
+    case = Case().replace(
+        **{"effects.dilatancy": dilatancy, "effects.cohesion": {"solid_fraction_loss": LOSS}}
+    )
+    assert case.resolved.effects.cohesion is None
+    assert case.resolved.effects.dilatancy.solid_fraction_critical == pytest.approx(0.59 - LOSS)
+    assert case.resolved.effects.dilatancy.dilatancy_factor == 2.0
+
+
+def test_weak_adhesion_changes_little():
+    """The less the weaker, and nothing but round-off at last: the membrane is the only change of the solve."""
+    without = collapse(0.12)
+    changes = [
+        centre_of_mass(collapse(0.12, effects__cohesion={"adhesion": p_c}))
+        - centre_of_mass(without)
+        for p_c in (1e-9, 1.0, 10.0, 100.0)
+    ]
+    assert abs(changes[0]) < 1e-9
+    assert 0.0 > changes[1] > changes[2] > changes[3]
+
+
+@pytest.fixture(scope="module")
+def adhesive():
+    return collapse(0.3, effects__cohesion={"adhesion": ADHESION})
+
+
+def test_pressure_bears_tension_down_to_the_adhesion(adhesive):
+    pressure = adhesive.cell_quantities()["pressure"][adhesive.geometry.filled > 0.5]
+    assert pressure.min() >= -ADHESION - 1e-9
+    assert pressure.min() < -0.05 * ADHESION
+
+
+def test_volume_and_energy_are_kept(adhesive):
+    """Without a loss of solid fraction the volume stays; what the bonds take is booked."""
+    start = collapse(0.0, effects__cohesion={"adhesion": ADHESION})
+    volume = adhesive.geometry.filled.sum() / start.geometry.filled.sum()
+    assert volume == pytest.approx(1.0, abs=1e-9)
+
+
+def test_adhesive_grains_swell_when_they_are_sheared():
+    effect = {"adhesion": ADHESION, "solid_fraction_loss": LOSS}
+    run = collapse(0.4, effects__cohesion=effect)
+    sheared = run.state.solid_fraction[run.geometry.filled > 0.5]
+    bulk = bulk_fraction(run.case)
+    swollen = run.geometry.filled.sum() * math.prod(run.spacing) / run.state.volume_0 - 1.0
+    assert bulk - LOSS - 1e-9 <= sheared.min() < bulk - 0.5 * LOSS
+    assert 0.1 * LOSS / bulk < swollen < LOSS / (bulk - LOSS)
+
+
+def test_a_layer_below_a_cell_has_the_adhesion_of_all_its_bed():
+    """A drucker_prager layer of a fraction of a cell rests on the slope if thinner than critical, and else slides."""
+    for part, rests in ((0.8, True), (1.2, False)):
+        case = layer_with_cohesion(0.0, cells=4)
+        depth = 0.3 * DEPTH / 4
+        adhesion = excess(case) * depth / part / MU
+        case = case.replace(
+            **{"effects.cohesion": {"adhesion": adhesion}, "numerics.film_thickness": 0.0}
+        )
+        flow = run_until(layer(case, lambda z: 0.0 * z, dt=0.01, depth=depth), 1.0)
+        assert (flow.surface_velocity() < 1e-3) == rests
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"numerics.unilateral": False}, "numerics.unilateral"),
+        ({"numerics.method": "projection"}, "numerics.method"),
+        ({"rheology.law": "bingham"}, "rheology.law"),
+        (
+            {"effects.lateral_friction": {"scheme": "split"}, "geometry.channel_width": 0.1},
+            "effects.lateral_friction.scheme",
+        ),
+    ],
+)
+def test_adhesion_is_refused(changes, key):
+    with pytest.raises(CaseError) as caught:
+        Case().replace(**{"effects.cohesion": {"adhesion": 10.0}} | changes)
+    assert caught.value.key == key
+
+
+def test_zero_strength_is_no_effect():
+    effect = {"adhesion": 0.0, "solid_fraction_loss": 0.0}
+    assert same_to_the_last_bit(collapse(0.1), collapse(0.1, effects__cohesion=effect))

@@ -43,4 +43,10 @@ def cut_height(case, number):
     """
     mu = case.rheology.mu_1
     weight = case.rheology.density_bulk * GRAVITY
-    return number * strength(case) / math.sqrt(1.0 - mu**2) * math.sqrt((1.0 + mu) / (1.0 - mu)) / weight
+    return (
+        number
+        * strength(case)
+        / math.sqrt(1.0 - mu**2)
+        * math.sqrt((1.0 + mu) / (1.0 - mu))
+        / weight
+    )

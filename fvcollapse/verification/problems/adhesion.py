@@ -29,10 +29,21 @@ LAYER = {
 }
 PLUG = 0.4  # of the depth
 CUT_OFF = 0.37  # of a cell, which the surface cuts
-ROOM, HALVINGS = 1.5, 8  # largest thickness that is tried, over the critical one; halvings of the interval
+ROOM, HALVINGS = (
+    1.5,
+    8,
+)  # largest thickness that is tried, over the critical one; halvings of the interval
 SOON = 2.0  # s
-HANGING, HELD, TORN = 0.08, 0.8, 1.5  # m; weight over adhesion of a layer that holds and of one that falls
-CUT, NUMBERS, CUT_TIME = 0.12, (2.0, 5.0), 0.3  # m; stability numbers between which the cut fails; s
+HANGING, HELD, TORN = (
+    0.08,
+    0.8,
+    1.5,
+)  # m; weight over adhesion of a layer that holds and of one that falls
+CUT, NUMBERS, CUT_TIME = (
+    0.12,
+    (2.0, 5.0),
+    0.3,
+)  # m; stability numbers between which the cut fails; s
 CUT_HALVINGS = 6
 MOVES = 0.05  # m/s, a twentieth of sqrt(g H)
 
@@ -78,13 +89,11 @@ class HangingLayer(UniformFlow):
 
 
 def hanging(cells, weight):
-    """A layer of rho g H = `weight` times p_c that has hung for one step of 1 ms, and its depth, m; its surface cuts a cell."""
+    """A layer of rho g H = `weight` times p_c that has hung for a step of 1 ms, and its depth, m. It cuts a cell."""
     depth = HANGING * (1.0 - CUT_OFF / cells)
     changes = {"geometry__slope_angle_deg": 0.0, "boundary__mu_bed": math.inf}
     adhesion = Case().rheology.density_bulk * GRAVITY * depth / weight
-    case = layer_case(
-        HANGING / cells, HANGING, effects__cohesion={"adhesion": adhesion}, **changes
-    )
+    case = layer_case(HANGING / cells, HANGING, effects__cohesion={"adhesion": adhesion}, **changes)
     flow = layer(case, lambda z: 0.0 * z, dt=1e-3, depth=depth)
     flow = HangingLayer(case, flow.state, 1e-3)
     flow.advance(1.0)
@@ -158,9 +167,7 @@ PROBLEMS = (
         0.01,
         "halvings of the interval; creep",
     ),
-    Problem(
-        "hanging_layer", terms.ADHESION, tension_errors, (8, 16, 32), None, 1e-12, "round-off"
-    ),
+    Problem("hanging_layer", terms.ADHESION, tension_errors, (8, 16, 32), None, 1e-12, "round-off"),
     Problem("hanging_layer_fall", terms.ADHESION, falling_errors, (8, 16, 32), 1.0, 0.02),
     Problem(
         "vertical_cut",
