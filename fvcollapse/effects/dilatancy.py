@@ -3,8 +3,8 @@
     div u = shear_rate tan(psi),    tan(psi) = K (nu - nu_eq(I)),    nu_eq = nu_c - b min(I, 1)
 
 The friction coefficient is mu(I) + F tan(psi), F = `friction_factor`. F = 1 is what the work of dilation takes. Dense
-packings of beads computed one by one rub more: F = 2 (`runs/particle_laboratory/README.md`). Equations, discretisation and limits stand in
-`fvcollapse/step/dilatancy.py`.
+packings of beads computed one by one rub more: F = 2 (`runs/particle_laboratory/README.md`). Equations,
+discretisation and limits stand in `fvcollapse/step/dilatancy.py`.
 
 References
 ----------

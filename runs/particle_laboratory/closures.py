@@ -58,7 +58,7 @@ CASES = {
 
 
 def closures(arguments, baseline):
-    """Write closures.csv: front at rest, final thickness and volume of every case and variant, less those of the grains.
+    """Write closures.csv: front at rest, final thickness and volume of every case and variant, less the grains.
 
     Parameters
     ----------
