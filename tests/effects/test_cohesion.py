@@ -135,10 +135,13 @@ def adhesive():
     return collapse(0.3, effects__cohesion={"adhesion": ADHESION})
 
 
-def test_pressure_bears_tension_down_to_the_adhesion(adhesive):
-    pressure = adhesive.cell_quantities()["pressure"][adhesive.geometry.filled > 0.5]
-    assert pressure.min() >= -ADHESION - 1e-9
-    assert pressure.min() < -0.05 * ADHESION
+def test_pressure_bears_tension_down_to_the_adhesion():
+    """The corner of a falling column pulls: -17 Pa where p >= 0 without adhesion."""
+    run = collapse(0.1, effects__cohesion={"adhesion": ADHESION})
+    pressure = run.cell_quantities()["pressure"][run.geometry.filled > 0.5]
+    assert -ADHESION <= pressure.min() < -0.05 * ADHESION
+    run = collapse(0.1)
+    assert run.cell_quantities()["pressure"].min() >= 0.0
 
 
 def test_volume_and_energy_are_kept(adhesive):
@@ -157,21 +160,23 @@ def test_adhesive_grains_swell_when_they_are_sheared():
     sheared = run.state.solid_fraction[run.geometry.filled > 0.5]
     bulk = bulk_fraction(run.case)
     swollen = run.geometry.filled.sum() * math.prod(run.spacing) / run.state.volume_0 - 1.0
-    assert bulk - LOSS - 1e-9 <= sheared.min() < bulk - 0.5 * LOSS
+    assert bulk - LOSS - 1e-3 <= sheared.min()  # carried as a field
+    assert sheared.min() < bulk - 0.5 * LOSS
     assert 0.1 * LOSS / bulk < swollen < LOSS / (bulk - LOSS)
 
 
-def test_a_layer_below_a_cell_has_the_adhesion_of_all_its_bed():
-    """A drucker_prager layer of a fraction of a cell rests on the slope if thinner than critical, and else slides."""
-    for part, rests in ((0.8, True), (1.2, False)):
-        case = layer_with_cohesion(0.0, cells=4)
-        depth = 0.3 * DEPTH / 4
-        adhesion = excess(case) * depth / part / MU
-        case = case.replace(
-            **{"effects.cohesion": {"adhesion": adhesion}, "numerics.film_thickness": 0.0}
-        )
-        flow = run_until(layer(case, lambda z: 0.0 * z, dt=0.01, depth=depth), 1.0)
-        assert (flow.surface_velocity() < 1e-3) == rests
+@pytest.mark.parametrize("part", [0.8, 1.2])
+def test_a_layer_below_a_cell_has_the_adhesion_of_all_its_bed(part):
+    """A drucker_prager layer of 0.3 cells, of `part` of the critical thickness, rests, or shears its half cell."""
+    case, cell = layer_with_cohesion(0.0, cells=4), DEPTH / 4
+    pull = excess(case) * 0.3 * cell
+    case = case.replace(
+        **{"effects.cohesion": {"adhesion": pull / part / MU}, "numerics.film_thickness": 0.0}
+    )
+    flow = run_until(layer(case, lambda z: 0.0 * z, dt=0.01, depth=0.3 * cell), 1.0)
+    expected = max(pull - pull / part, 0.0) / VISCOSITY * 0.5 * cell
+    creep = cell * case.numerics.shear_rate_min  # r/sqrt(1 - r^2) is 1.3 at r = 0.8
+    assert flow.surface_velocity() == pytest.approx(expected, rel=0.02, abs=creep)
 
 
 @pytest.mark.parametrize(
