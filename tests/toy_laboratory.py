@@ -29,7 +29,10 @@ def shape_of(case):
     geometry, law, effects = case.geometry, case.rheology, case.effects
     fall = sqrt(geometry.height_0 / GRAVITY)
     friction = law.mu_1 + 0.15 * (law.mu_2 - law.mu_1) * (0.5 + 0.5 * sqrt(0.3 / law.I_0))
-    friction += law.cohesion / (1550.0 * GRAVITY * geometry.height_0)
+    cohesion = law.cohesion
+    if effects.cohesion is not None:
+        cohesion += 0.1 * effects.cohesion.adhesion
+    friction += cohesion / (1550.0 * GRAVITY * geometry.height_0)
     wall = effects.lateral_friction
     if wall is not None and geometry.channel_width < inf:
         mu_wall = wall.mu_wall * wall.pressure_ratio
@@ -40,7 +43,7 @@ def shape_of(case):
     if case.boundary.mu_bed < law.mu_1:
         slip = law.mu_1 - case.boundary.mu_bed
         reach, exponent = reach * (1.0 + 1.2 * slip), exponent + 3.0 * slip
-    exponent -= 0.004 * law.cohesion
+    exponent -= 0.004 * cohesion
     duration = fall * (1.5 + 1.0 * law.mu_2) * (reach / geometry.height_0) ** 0.5
     gate = effects.gate
     start = 0.4 * geometry.height_0 / case.gate.speed if case.gate.speed else 0.0

@@ -183,12 +183,12 @@ def drawn_problems(name, drawn):
     if name not in CATALOGUE:
         yield "label.effects", show(name), "effects of the catalogue"
         return
-    variants = CATALOGUE[name].variants
+    variants, keys = CATALOGUE[name].variants, CATALOGUE[name].section.__struct_fields__
     if drawn["closure"] >= len(variants):
         yield f"{key}.closure", f"{drawn['closure']}", f"0 to {len(variants) - 1}"
     for parameter in drawn["quantiles"]:
         value = drawn["section"].get(parameter)
-        if parameter not in CATALOGUE[name].priors or isinstance(value, bool | str | None):
+        if parameter not in keys or isinstance(value, bool | str | None):
             yield f"{key}.quantiles", show(parameter), "parameters of the effect, with a value"
 
 

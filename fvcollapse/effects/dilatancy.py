@@ -2,8 +2,9 @@
 
     div u = shear_rate tan(psi),    tan(psi) = K (nu - nu_eq(I)),    nu_eq = nu_c - b min(I, 1)
 
-The friction coefficient is mu(I) + tan(psi). Equations, discretisation and limits stand in
-`fvcollapse/step/dilatancy.py`.
+The friction coefficient is mu(I) + F tan(psi), F = `friction_factor`. F = 1 is what the work of dilation takes. Dense
+packings of beads computed one by one rub more: F = 2 (`runs/particle_laboratory/README.md`). Equations,
+discretisation and limits stand in `fvcollapse/step/dilatancy.py`.
 
 References
 ----------
@@ -23,6 +24,10 @@ class Dilatancy(Section):
     dilatancy_factor: Annotated[
         float, key("-", "K of tan(psi) = K (nu - nu_eq); 0 = incompressible", ge=0, le=20)
     ] = 0.0
+    friction_factor: Annotated[
+        float,
+        key("-", "F of the friction mu(I) + F tan(psi); 1 = the work of dilation", ge=0, le=5),
+    ] = 1.0
     solid_fraction_critical: Annotated[
         float, key("-", "nu_eq of slow shear, I = 0", ge=0.3, le=0.74)
     ] = 0.60
@@ -61,6 +66,13 @@ EFFECT = Effect(
             5.0,
             "A2",
             "4.0 in SedFoam; 4.09 of Pailha & Pouliquen (2009), order 1 of Roux & Radjai (1998) (C)",
+        ),
+        "friction_factor": Prior(
+            "uniform",
+            1.0,
+            2.0,
+            "A2",
+            "1 is the work of dilation; 2 fits the fronts at rest of dense beads computed one by one, nu = 0.64",
         ),
         "solid_fraction_critical": Prior(
             "uniform", 0.585, 0.62, "A2", "0.60 (dry) and 0.585 (immersed) in SedFoam", "low"

@@ -14,6 +14,7 @@ from fvcollapse.measure.pile import (
     front_position,
     x_at_volume,
 )
+from fvcollapse.step.adhesion import adhesion_of
 from fvcollapse.step.arrays import total
 from fvcollapse.step.compiled import inner_jit
 from fvcollapse.step.flow import (
@@ -33,6 +34,7 @@ from fvcollapse.step.flow import (
     WORK_GATE,
     WORK_LATERAL,
 )
+from fvcollapse.step.geometry import WET
 
 SHAPE = (
     "time",
@@ -107,12 +109,14 @@ def fill_state(row, flow, suction):
     """Fill the values of `STATE`."""
     filled, fields, constants = flow.geometry.filled, flow.fields, flow.constants
     numbers, pressure = fields.numbers, fields.pressure_filled
+    adhesion = adhesion_of(constants.balance.response)
     volume = 0.0
     in_suction = 0
     for i in range(filled.shape[0]):
         for k in range(filled.shape[1]):
             volume += filled[i, k]
-            if filled[i, k] > 0.0 and pressure[i, k] < suction * filled[i, k]:
+            p = pressure[i, k] - adhesion * filled[i, k]
+            if filled[i, k] > WET and p < suction * filled[i, k]:
                 in_suction += 1
     area = constants.dx * constants.dz
     row[0] = (volume * area + numbers[VOLUME_OUTFLOW]) / numbers[VOLUME_0] - 1.0

@@ -1,5 +1,6 @@
 """The banded system of a nonlinear sweep: inertia, weight, friction, viscous stress and pressure."""
 
+from .adhesion import add_membrane
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, last_face
 from .grain_response import add_source
@@ -69,4 +70,5 @@ def assemble(band, rhs, work, pressure_filled, u_star, w_star, geometry, balance
             if not work.constrained[i, k]:
                 pressure_filled[i, k] = 0.0
     add_pressure_force(rhs, pressure_filled, geometry, dx, dz)
+    add_membrane(balance.response, rhs, geometry, 1.0, dx, dz)
     add_source(balance.response, rhs, work.response, work.constrained, geometry, dx, dz)

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .adhesion import adhesion_of
 from .compiled import inner_jit, kernel_jit
 from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
@@ -110,6 +111,7 @@ def stress_coefficients(work, pressure_filled, geometry, material, response):
         pressure_filled,
         geometry,
         material,
+        adhesion_of(response),
     )
     add_extra_friction(
         response,
@@ -142,6 +144,7 @@ def wall_coefficients(work, u, w, pressure_filled, bed_slip, geometry, material,
         balance.gz,
         balance.density,
         balance.mu_bed,
+        adhesion_of(balance.response),
         dz,
     )
     back_wall_friction(

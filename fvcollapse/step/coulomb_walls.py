@@ -89,12 +89,13 @@ def bed_friction(
     gz,
     density,
     mu_bed,
+    adhesion,
     dz,
 ):
     """Friction coefficients (nx + 1,) of the bed faces in Pa s/m, and their slip velocities in m/s.
 
     `extra_friction` (nx, nz) is friction of the grains themselves, not of the bed; `bed_excess` (nx,) is added to
-    the friction of a bed that has any.
+    the friction of a bed that has any. `adhesion` is p_c, Pa, which acts on all of the wetted bed (`adhesion`).
     """
     nx = pressure_filled.shape[0]
     k_bed[:] = 0.0
@@ -112,6 +113,7 @@ def bed_friction(
                 reaction += share * bed_reaction(
                     pressure_filled, weight_centre, e_centre, geometry, cell, gz, density, dz
                 )
+                reaction += share * adhesion * (geometry.bed_cover[cell] - v)
                 coverage += share * geometry.bed_cover[cell]
                 extra += share * extra_friction[cell, 0]
                 excess += share * bed_excess[cell]

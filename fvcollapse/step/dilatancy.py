@@ -1,7 +1,10 @@
 """Dilatancy: the solid fraction nu of the sheared grains changes, and mass instead of volume is conserved.
 
     div u = shear_rate tan(psi),    tan(psi) = K (nu - nu_eq(I)),    nu_eq = nu_c - b min(I, 1),
-    nu_t + u . grad nu = -nu div u,    friction coefficient mu(I) + tan(psi)
+    nu_t + u . grad nu = -nu div u,    friction coefficient mu(I) + F tan(psi)
+
+The friction coefficient is mu(I) + F tan(psi); F = 1 (`friction_factor`) is the work that dilation takes, and what more
+there is the grains dissipate in their denser packing.
 
 Grains denser than nu_eq expand when sheared and rub more, looser ones contract and rub less, until
 nu = nu_eq after a strain of some 1/(K nu). nu_eq is linear in I up to the I = 1 to which it has been
@@ -21,7 +24,7 @@ s; one without pressure may open faster (p >= 0, div u - s >= 0), and that openi
 incompressible mass, is no change of nu. The surface is corrected to the mass of the grains, the sum
 of nu over the volume, instead of the volume.
 
-The yield stress is never negative: tan(psi) >= -mu_1 in the friction. A loose pile at rest has less
+The yield stress is never negative: F tan(psi) >= -mu_1 in the friction. A loose pile at rest has less
 static friction, a dense one more. K = 0 is the incompressible mass exactly.
 
 Limits: one bulk relation for all states (no free compaction of a dilute cloud); tan(psi) depends on
@@ -53,12 +56,13 @@ FULL_SWEEPS = 6  # nonlinear sweeps before the source is relaxed
 
 
 class Dilatancy(NamedTuple):
-    """K (0: no dilatancy), nu_c and b of the module docstring; `fraction_bulk` is that of density_bulk."""
+    """K (0: no dilatancy), nu_c, b and F of the module docstring; `fraction_bulk` is that of density_bulk."""
 
     factor: float
     fraction_critical: float
     slope: float
     fraction_bulk: float
+    friction_factor: float
 
 
 def dilatancy_law(case):
@@ -66,9 +70,13 @@ def dilatancy_law(case):
     effect = case.effects.dilatancy
     bulk = case.rheology.density_bulk / case.rheology.density_grain
     if effect is None:
-        return Dilatancy(0.0, bulk, 0.0, bulk)
+        return Dilatancy(0.0, bulk, 0.0, bulk, 1.0)
     return Dilatancy(
-        effect.dilatancy_factor, effect.solid_fraction_critical, effect.solid_fraction_slope, bulk
+        effect.dilatancy_factor,
+        effect.solid_fraction_critical,
+        effect.solid_fraction_slope,
+        bulk,
+        effect.friction_factor,
     )
 
 
@@ -156,7 +164,7 @@ def dilate(
     Parameters
     ----------
     source, penalty, friction : (nx, nz) arrays
-        Results: s in 1/s; 1/(1/r - ds/dP) in Pa s; friction_before + tan(psi).
+        Results: s in 1/s; 1/(1/r - ds/dP) in Pa s; friction_before + F tan(psi).
     friction_before : (nx, nz) array
         What other effects add to the friction coefficient.
     fraction : (nx, nz) array
@@ -181,7 +189,7 @@ def dilate(
             p = pressure_filled[i, k] / v
             s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)
             source[i, k] += share * (s - source[i, k])
-            total = friction_before[i, k] + max(s / rate, -material.mu_1)
+            total = friction_before[i, k] + max(law.friction_factor * s / rate, -material.mu_1)
             friction[i, k] += share * (total - friction[i, k])
             p = max(p, (material.grain_scale * rate) ** 2)
             s = expansion(rate, p, fraction[i, k], dt, law, material.grain_scale)

@@ -12,7 +12,6 @@ width.
 from typing import NamedTuple
 
 from .compiled import inner_jit, kernel_jit
-from .dilatancy import dilation_power
 from .flow import (
     KINETIC,
     LOSS_ADVECTION,
@@ -26,13 +25,15 @@ from .flow import (
     WORK_LATERAL,
 )
 from .geometry import MASS_FLOOR, last_face
+from .grain_response import work_of_grains
 
 
 class Work(NamedTuple):
     """Work done against each resistance, J/m.
 
     bulk: viscous (frictional) stress inside the grains, the sheared half cell at a wall included,
-    less what the grains do against the pressure in dilating, and against the forces of terms that act before
+    less what the grains do against the pressure in dilating, plus what they pay for opening (`adhesion`), less
+    the work of terms that act before
     the solve; bed, back_wall: slip along them;
     lateral: the channel's side walls; gate: friction along it less what its motion gives the
     grains, so it may be negative.
@@ -168,23 +169,13 @@ def work_of_step(flow, impulse, balance):
     bulk, lateral, bed, wall = resisted_work(scratch, u, w, fields.bed_slip, geometry, dx, dz)
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     bulk *= volume
-    bulk -= volume * work_of_dilation(balance.response, scratch, fields, geometry)
+    bulk -= volume * work_of_grains(balance.response, scratch.response, fields, geometry, dx, dz)
     inertia = balance.density / dt
     bulk -= volume * inertia * impulse_work(impulse.bulk_u, impulse.bulk_w, u, w, geometry)
     lateral -= inertia * impulse_work(impulse.lateral_u, impulse.lateral_w, u, w, geometry)
     lateral *= volume
     bulk += dx * (bed[1] - bed[0]) + dz * (wall[1] - wall[0]) + gate_shear
     return Work(dt * bulk, dt * dx * bed[0], dt * dz * wall[0], dt * lateral, dt * gate)
-
-
-@inner_jit()
-def work_of_dilation(response, scratch, fields, geometry):
-    """Power of the pressure in expanding the grains, summed over cells, Pa/s; 0 where none dilate."""
-    if response is None:
-        return 0.0
-    if response.dilatancy.factor <= 0.0:
-        return 0.0
-    return dilation_power(scratch.response.source, fields.pressure_filled, geometry)
 
 
 @inner_jit()

@@ -3,7 +3,8 @@
 Dilatancy, friction hysteresis, thin layers and nonlocal fluidity change the coefficients of a nonlinear sweep:
 
 * the friction coefficient of every cell, by `extra_friction` (all four), and of the bed (thin layers);
-* the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy).
+* the condition on the divergence, div u = s instead of 0, and the penalty that imposes it (dilatancy);
+* the force that holds adhesive grains together (`adhesion`).
 
 They act in this order: friction of settled contacts, frozen during a step; dilatancy, which adds
 tan(psi); thin layers, whose friction is that of mu_stop at least; nonlocal fluidity, which makes the law with these
@@ -14,26 +15,29 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .adhesion import adhesion_law, adhesion_of, opening_power
 from .arrays import copy
 from .compiled import inner_jit, kernel_jit
-from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate
+from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate, dilation_power
 from .fluidity_relaxation import Cooperation, cooperate, cooperation_law
 from .friction_hysteresis import FrictionHysteresis, hysteresis_law
 from .geometry import WET
 from .rheology import ETA_FLOOR
-from .shear_planes import pressure_on_plane, sum_of_cells
+from .shear_planes import sum_of_cells
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
+from .viscous import pressure_at_node
 
 
 class Response(NamedTuple):
-    """Laws of the effects; `active` says whether any of them has a strength."""
+    """Laws of the effects; `active` says whether any of them has a strength; `adhesion` is p_c, Pa."""
 
     active: bool
     dilatancy: Dilatancy
     hysteresis: FrictionHysteresis
     thin: ThinLayer
     cooperation: Cooperation
+    adhesion: float
 
 
 class ResponseWork(NamedTuple):
@@ -58,9 +62,9 @@ class ResponseWork(NamedTuple):
 def response_of(case):
     """`Response` of a case."""
     dilatancy, hysteresis, thin = dilatancy_law(case), hysteresis_law(case), thin_layer_law(case)
-    cooperation = cooperation_law(case, thin)
-    active = max(dilatancy.factor, hysteresis.delta_mu, thin.length, cooperation.length) > 0.0
-    return Response(active, dilatancy, hysteresis, thin, cooperation)
+    cooperation, adhesion = cooperation_law(case, thin), adhesion_law(case)
+    strengths = dilatancy.factor, hysteresis.delta_mu, thin.length, cooperation.length, adhesion
+    return Response(max(strengths) > 0.0, dilatancy, hysteresis, thin, cooperation, adhesion)
 
 
 def allocate_response(nx, nz):
@@ -208,7 +212,7 @@ def add_extra_friction(
                     for b in range(k - 1, k + 1):
                         v += 0.25 * filled[a, b]
                         extra += 0.25 * filled[a, b] * extra_friction[a, b]
-                p = pressure_on_plane(pressure_filled, geometry, i, k)
+                p = pressure_at_node(pressure_filled, geometry, i, k, adhesion_of(response))
                 if dilating:
                     p = 0.25 * sum_of_cells(pressure_filled, i, k)
                 e2 = mean_square(
@@ -237,3 +241,16 @@ def add_source(response, rhs, work, constrained, geometry, dx, dz):
             for n, weight in ((a, -left), (b, right), (c, -1.0 / dz), (d, 1.0 / dz)):
                 if n >= 0:
                     rhs[n] += push * weight
+
+
+@inner_jit()
+def work_of_grains(response, work, fields, geometry, dx, dz):
+    """Power of the pressure in expanding the grains less what they pay for opening, summed over cells, Pa/s."""
+    if response is None:
+        return 0.0
+    power = 0.0
+    if response.dilatancy.factor > 0.0:
+        power += dilation_power(work.source, fields.pressure_filled, geometry)
+    if response.adhesion > 0.0:
+        power -= opening_power(response.adhesion, fields.u, fields.w, geometry, dx, dz)
+    return power

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from .adhesion import adhesion_of
 from .compiled import inner_jit, kernel_jit
 from .flow import DT
 from .geometry import WET
@@ -42,6 +43,7 @@ def fill_quantities(
     reach,
     extra_friction,
     material,
+    adhesion,
 ):
     """Cell-centre fields in the wet cells; elsewhere they stay as they are, zero."""
     for i in range(filled.shape[0]):
@@ -50,7 +52,7 @@ def fill_quantities(
                 continue
             rate = shear_rate_centre(e_centre, g_node, i, k)
             p = pressure_filled[i, k] / filled[i, k]
-            pressure[i, k] = p
+            pressure[i, k] = p - adhesion
             shear_rate[i, k] = rate
             grains = with_extra_friction(material, extra_friction[i, k])
             viscosity[i, k] = effective_viscosity(rate, p, grains)
@@ -83,6 +85,7 @@ def fill_from_flow(
         geometry.reach,
         response_work.extra_friction,
         constants.material,
+        adhesion_of(constants.balance.response),
     )
 
 

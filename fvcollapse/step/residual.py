@@ -2,6 +2,7 @@
 
 import math
 
+from .adhesion import add_membrane
 from .arrays import larger
 from .compiled import inner_jit, kernel_jit
 from .geometry import MASS_FLOOR, last_face
@@ -73,6 +74,7 @@ def momentum_residual(residual, work, u, w, u_star, w_star, geometry, balance, d
     """Largest residual of the momentum balance, relative to the weight; independent of the factorisation."""
     residual[:] = 0.0
     add_stresses(residual, work, u, w, geometry, dx, dz)
+    add_membrane(balance.response, residual, geometry, -1.0, dx, dz)
     add_inertia(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz)
     weight = balance.density * math.sqrt(balance.gx**2 + balance.gz**2)
     largest = 0.0

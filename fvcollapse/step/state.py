@@ -9,7 +9,12 @@ FIELDS = {
     "level_set": ("node", "m", "signed distance to the free surface, negative in the grains", True),
     "u": ("xface", "m/s", "velocity along the bed", True),
     "w": ("zface", "m/s", "velocity normal to the bed", True),
-    "pressure_filled": ("centre", "Pa", "filled fraction times pressure", True),
+    "pressure_filled": (
+        "centre",
+        "Pa",
+        "filled fraction times pressure between the grains, p + p_c",
+        True,
+    ),
     "bed_slip": ("xnode", "m/s", "slip velocity at the bed", True),
     "u_before": ("xface", "m/s", "u at the start of the last step", True),
     "w_before": ("zface", "m/s", "w at the start of the last step", True),

@@ -17,11 +17,11 @@ from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 @inner_jit()
 def viscosity_weights(
-    weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material
+    weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material, adhesion
 ):
     """Effective viscosity, Pa s, times the filled fraction of wet cells or the wetted part of the planes of nodes.
 
-    It is zero elsewhere.
+    It is zero elsewhere. `adhesion` is p_c, Pa (`adhesion`).
 
     The points are packed first, so that the viscosity is one long loop without branches.
     """
@@ -33,7 +33,9 @@ def viscosity_weights(
         np.empty(points),
     )
     n = _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry)
-    n = _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry)
+    n = _pack_nodes(
+        fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry, adhesion
+    )
     effective_viscosities(eta[:n], rate[:n], pressure[:n], material)
     weight_centre[:] = 0.0
     weight_node[:] = 0.0
@@ -67,7 +69,7 @@ def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, g
 
 
 @inner_jit()
-def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry):
+def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry, adhesion):
     """The same of the interior nodes, from place n on: those of its plane."""
     plane, interior = geometry.plane, geometry.interior
     for i in range(1, e_centre.shape[0]):
@@ -79,9 +81,18 @@ def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, 
                 )
                 fraction[n] = v
                 rate[n] = shear_rate_from(4.0 * e2, g_node[i, k] * g_node[i, k])
-                pressure[n] = pressure_on_plane(pressure_filled, geometry, i, k) / v
+                pressure[n] = pressure_at_node(pressure_filled, geometry, i, k, adhesion) / v
                 n += 1
     return n
+
+
+@inner_jit()
+def pressure_at_node(pressure_filled, geometry, i, k, adhesion):
+    """Pressure on the plane of a node times its wetted part, Pa; the part p_c of it acts on all of the plane."""
+    p = pressure_on_plane(pressure_filled, geometry, i, k)
+    if adhesion > 0.0:
+        p += adhesion * (geometry.plane[i, k] - pressure_on_plane(geometry.filled, geometry, i, k))
+    return p
 
 
 @inner_jit()

@@ -23,6 +23,7 @@ CUT_CELLS = Term("cut cells, hydrostatic balance", "step/geometry.py")
 BED = Term("bed and back wall, equations 12–14", "step/coulomb_walls.py")
 LATERAL_WALLS = Term("lateral walls, equation 19", "step/lateral_friction.py")
 THIN_LAYER = Term("thin layers", "step/thin_layer.py")
+ADHESION = Term("adhesion and tension", "step/adhesion.py")
 FLUIDITY = Term("nonlocal fluidity, rough bed", "step/fluidity_relaxation.py")
 SURFACE = Term("free surface, equation 10", "step/level_set.py")
 COLLAPSE = Term("a whole collapse", "simulation.py")
@@ -41,6 +42,7 @@ TERMS = (  # in the order of the table
     BED,
     LATERAL_WALLS,
     THIN_LAYER,
+    ADHESION,
     FLUIDITY,
     SURFACE,
     COLLAPSE,

@@ -12,6 +12,7 @@ tuned to a collapse. Parts:
     thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
     walls         friction of the walls in the model against walls of the grains: walls.csv
     shape         which effect closes the gap of shape and volume at 10 and 16 deg: shape.csv
+    closures      cohesion and dilatancy beside the opened cases that hide them: closures.csv
 
 The pages of the reports, with their figures, go below --out. Runs are kept in the cache of runs: an
 interrupted part continues with the same command.
@@ -33,6 +34,7 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
+from runs.particle_laboratory.closures import closures
 from runs.particle_laboratory.shape import shape
 from runs.particle_laboratory.thin_layers import thin_layers
 from runs.particle_laboratory.walls import walls
@@ -241,8 +243,18 @@ STUDY = Study(
         "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
         "walls": partial(walls, baseline=BASELINE),
         "shape": partial(shape, baseline=BASELINE),
+        "closures": partial(closures, baseline=BASELINE),
     },
-    need_data=("validation", "discrepancy", "labelled", "blind", "thin_layers", "walls", "shape"),
+    need_data=(
+        "validation",
+        "discrepancy",
+        "labelled",
+        "blind",
+        "thin_layers",
+        "walls",
+        "shape",
+        "closures",
+    ),
 )
 main = partial(call, STUDY)
 

@@ -327,15 +327,15 @@ def test_an_effect_without_a_trace_is_left_out(tmp_path):
 
 
 def test_an_effect_that_the_case_refuses_is_left_out(experiments, cases, monkeypatch):
-    prior = CATALOGUE["cohesion"].priors["kappa_0"]._replace(first=1.0e4, second=1.0e6)
-    effect = CATALOGUE["cohesion"]._replace(priors={"kappa_0": prior})
+    prior = CATALOGUE["cohesion"].priors["adhesion"]._replace(first=1.0e4, second=1.0e6)
+    effect = CATALOGUE["cohesion"]._replace(priors={"adhesion": prior})
     monkeypatch.setitem(CATALOGUE, "cohesion", effect)
     effects = ["cohesion", "bed_friction"]
     found = build_library(
         PlannedQuestion(experiments[:1], planned=cases), ToyRunner(), effects, draws=4
     )
     assert set(found.responses) == {"bed_friction"}
-    assert "effects.cohesion.kappa_0 cannot be" in found.left_out["cohesion"]
+    assert "effects.cohesion.adhesion cannot be" in found.left_out["cohesion"]
 
 
 class Failing(ToyRunner):

@@ -19,7 +19,9 @@ from fvcollapse.verification.exact.layer import inertial_number_at
 from fvcollapse.verification.flows import layer, layer_case, run_until
 
 K, NU_C, SLOPE = 4.0, 0.60, 0.15
-LAW = Dilatancy(factor=K, fraction_critical=NU_C, slope=SLOPE, fraction_bulk=0.62)
+LAW = Dilatancy(
+    factor=K, fraction_critical=NU_C, slope=SLOPE, fraction_bulk=0.62, friction_factor=1.0
+)
 GRAIN_SCALE = 0.035
 COARSE = {"grid.cell_size": 0.02, "effects.lateral_friction": {}}
 CARRY = from_python(carry)

@@ -13,9 +13,10 @@ from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.simulation import Simulation
 
 FLOWING = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]
-TOGETHER = [  # those of one volume
+TOGETHER = [  # those of one volume, or with a key that leaves it alone
     name for name in FLOWING if "dilation_rate" not in CATALOGUE[name].fields
 ]
+ONE_VOLUME = {"cohesion": {"solid_fraction_loss": 0.0}}
 
 
 @pytest.mark.parametrize("name", FLOWING)
@@ -37,7 +38,8 @@ def drawn(seed):
     for name in names:
         effect = CATALOGUE[name]
         variant = effect.variants[rng.integers(len(effect.variants))]
-        changes[f"effects.{name}"] = effect.keys(rng.uniform(0.1, 0.9), variant)
+        keys = effect.keys(rng.uniform(0.1, 0.9), variant)
+        changes[f"effects.{name}"] = keys | ONE_VOLUME.get(name, {})
     if {"erodible_bed", "bed_friction"} <= set(names):  # the layer must rest on its bed
         steepest = 0.9 * math.degrees(math.atan(changes["effects.bed_friction"]["mu_bed"]))
     changes["geometry.slope_angle_deg"] = rng.uniform(0.0, steepest)

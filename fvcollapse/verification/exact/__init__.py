@@ -5,6 +5,12 @@ uniform flows share.
 """
 
 # ruff: noqa: F401
+from fvcollapse.verification.exact.adhesion import (
+    adhesive_layer,
+    adhesive_thickness,
+    cut_height,
+    hanging_acceleration,
+)
 from fvcollapse.verification.exact.enclosed import (
     GHIA_U,
     GHIA_V,

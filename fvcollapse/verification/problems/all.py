@@ -1,6 +1,7 @@
 """All verification problems, by group; a new group is a name in both lists."""
 
 from fvcollapse.verification.problems import (
+    adhesion,
     box,
     chutes,
     collapse,
@@ -12,5 +13,16 @@ from fvcollapse.verification.problems import (
     thin_layers,
 )
 
-GROUPS = (steady, motion, chutes, thin_layers, box, manufactured, surface, collapse, growth)
+GROUPS = (
+    steady,
+    motion,
+    chutes,
+    thin_layers,
+    adhesion,
+    box,
+    manufactured,
+    surface,
+    collapse,
+    growth,
+)
 PROBLEMS = tuple(problem for group in GROUPS for problem in group.PROBLEMS)
