@@ -32,7 +32,7 @@ def add_diagonal(band, rhs, work, u_star, w_star, geometry, balance, dx, dz):
                 band[n, 0] += m + work.sink_z[i, k]
                 if i == 0:
                     band[n, 0] += work.k_wall[k] / dx
-                rhs[n] = m * w_star[i, k] + balance.density * balance.gz * mass
+                rhs[n] = m * w_star[i, k] + balance.density * balance.gz * mass + work.side[i, k]
                 if i == balance.gate_column - 1:
                     band[n, 0] += work.k_gate[k] / dx
                     rhs[n] += work.k_gate[k] / dx * balance.gate_speed

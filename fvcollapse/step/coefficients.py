@@ -16,6 +16,7 @@ from .grain_response import (
     respond,
 )
 from .lateral_friction import face_pressures, sink_coefficients
+from .side_shear import side_shear
 from .strain import strain_rates
 from .viscous import viscosity_weights
 
@@ -23,7 +24,7 @@ from .viscous import viscosity_weights
 class Work(NamedTuple):
     """Scratch arrays of the sweeps on one grid shape.
 
-    The traction of the bed is k_bed u + bed_drag, Pa: see `sliding_bed.linearise`.
+    The traction of the bed is k_bed u + bed_drag, Pa: see `sliding_bed.linearise`. `side` is that of `side_shear`.
     """
 
     e_centre: np.ndarray
@@ -40,6 +41,7 @@ class Work(NamedTuple):
     pressure_z: np.ndarray
     sink_x: np.ndarray
     sink_z: np.ndarray
+    side: np.ndarray
     constrained: np.ndarray
     multiplier: np.ndarray
     response: ResponseWork
@@ -61,6 +63,7 @@ def allocate_work(nx, nz):
         np.zeros((nx + 1, nz)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx + 1, nz)),
+        np.zeros((nx, nz + 1)),
         np.zeros((nx, nz + 1)),
         np.zeros((nx, nz), np.bool_),
         np.zeros((nx, nz)),
@@ -231,4 +234,5 @@ def coefficients(
     gate_coefficients(work, w, pressure_filled, geometry, material, balance, dx)
     if solved:
         stress_coefficients(work, pressure_filled, geometry, material, balance.response)
+    side_shear(work.side, work.weight_node, work.g_node, geometry, dx)
     lateral_coefficients(work, u, w, pressure_filled, geometry, balance, dz)

@@ -1,12 +1,10 @@
 """Where the energy goes: the work of every resistance during one step, and what the discretisation takes.
 
-The momentum balance of the step, multiplied by its own velocity u and dt, is an identity between the
-gain of kinetic energy from u* to u, the work of gravity, the work against each resistance (not
-negative) and the loss m (u - u*)^2 / 2 of the first-order time step. Two more losses lie outside it:
-the kinetic energy that advection, and the continuation of the velocity beyond the surface, lose
-between the end of the last solve and u*, and the potential energy by which the motion and
-correction of the surface miss the work of gravity. These two may be gains. All in J/m, per unit
-width.
+The momentum balance of the step, multiplied by its own velocity u and dt, is an identity between the gain of kinetic
+energy from u* to u, the work of gravity, the work against each resistance (not negative) and the loss m (u - u*)^2 / 2
+of the first-order time step. Two more losses lie outside it: the kinetic energy that advection, and the continuation of
+the velocity beyond the surface, lose between the end of the last solve and u*, and the potential energy by which the
+motion and correction of the surface miss the work of gravity. These two may be gains. All in J/m, per unit width.
 """
 
 from typing import NamedTuple
@@ -26,6 +24,7 @@ from .flow import (
 )
 from .geometry import MASS_FLOOR, last_face
 from .grain_response import work_of_grains
+from .side_shear import side_power
 
 
 class Work(NamedTuple):
@@ -169,6 +168,7 @@ def work_of_step(flow, impulse, balance):
     bulk, lateral, bed, wall = resisted_work(scratch, u, w, fields.bed_slip, geometry, dx, dz)
     gate, gate_shear = gate_work(scratch, w, geometry, balance, dz)
     bulk *= volume
+    bulk -= volume * side_power(scratch.side, w, geometry)
     bulk -= volume * work_of_grains(balance.response, scratch.response, fields, geometry, dx, dz)
     inertia = balance.density / dt
     bulk -= volume * inertia * impulse_work(impulse.bulk_u, impulse.bulk_w, u, w, geometry)

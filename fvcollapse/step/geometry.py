@@ -30,7 +30,8 @@ class Geometry(NamedTuple):
     of them, but for the halo of a periodic stretch; interior (nx+1, nz+1): nodes whose four faces
     are all unknowns, the others lie on a wall, the gate or the surface; plane, lying (nx+1, nz+1):
     wetted part of the plane on which the grains shear at each node, and how much of it lies level
-    (`shear_planes`); reach (nx + 1,): rows of
+    (`shear_planes`); cut_row, cut_part (nx + 1,): where the surface
+    crosses each upright grid line (`side_shear`); reach (nx + 1,): rows of
     the cells, faces and nodes of column i that can touch grains, so that the loops of the solve
     need not visit the air; packing (nx, nz): local density over density_bulk, 1 in an
     incompressible mass; face masses carry it.
@@ -50,6 +51,8 @@ class Geometry(NamedTuple):
     interior: np.ndarray
     plane: np.ndarray
     lying: np.ndarray
+    cut_row: np.ndarray
+    cut_part: np.ndarray
     reach: np.ndarray
     packing: np.ndarray
     first: int
@@ -73,6 +76,8 @@ def allocate_geometry(nx, nz, halo=0):
         np.zeros((nx + 1, nz + 1), np.bool_),
         np.zeros((nx + 1, nz + 1)),
         np.ones((nx + 1, nz + 1)),
+        np.full(nx + 1, -1, np.int64),
+        np.zeros(nx + 1),
         np.zeros(nx + 1, np.int64),
         np.ones((nx, nz)),
         halo,

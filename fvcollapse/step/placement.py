@@ -5,6 +5,7 @@ from .compiled import kernel_jit
 from .gate import fill_gate
 from .geometry import fill_cells, fill_faces, fill_reach, fill_walls
 from .shear_planes import fill_planes
+from .side_shear import fill_cuts
 from .unknowns import number_unknowns
 
 
@@ -40,4 +41,5 @@ def fill_geometry(geometry, level_set, packing, gate_column, open_end):
     fill_gate(geometry.gate_cover, level_set, aperture, gate_column)
     fill_reach(geometry.reach, geometry.filled)
     fill_planes(geometry.plane, geometry.lying, geometry.filled, level_set, geometry.reach)
+    fill_cuts(geometry.cut_row, geometry.cut_part, level_set)
     return number_unknowns(geometry, open_end)

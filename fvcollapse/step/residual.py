@@ -64,6 +64,7 @@ def add_inertia(residual, work, u, w, u_star, w_star, geometry, balance, dx, dz)
                     inertia * max(mass, MASS_FLOOR) * (w[i, k] - w_star[i, k])
                     + friction * w[i, k]
                     - balance.density * balance.gz * mass
+                    - work.side[i, k]
                 )
                 if i == balance.gate_column - 1:
                     residual[iw[i, k]] += work.k_gate[k] / dx * (w[i, k] - balance.gate_speed)
