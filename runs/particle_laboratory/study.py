@@ -9,6 +9,7 @@ tuned to a collapse. Parts:
     discrepancy   what the controls teach; each judged by the other: discrepancy.csv
     labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
     blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
+    series        diagnosis of series of three slopes whose cause is withheld: series_answers.json
     thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
     walls         friction of the walls in the model against walls of the grains: walls.csv
     shape         which effect closes the gap of shape and volume at 10 and 16 deg: shape.csv
@@ -28,13 +29,14 @@ import numpy as np
 
 from fvcollapse import diagnose, load_case, load_experiment, observe
 from fvcollapse.diagnosis.analysis import analyse
+from fvcollapse.diagnosis.diagnose import judge
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.report import FILE_NAME
 from fvcollapse.diagnosis.runner import Runner
-from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
 from runs.particle_laboratory.closures import closures
+from runs.particle_laboratory.series import ANSWERS, series
 from runs.particle_laboratory.shape import shape
 from runs.particle_laboratory.thin_layers import thin_layers
 from runs.particle_laboratory.walls import walls
@@ -147,7 +149,7 @@ def discrepancy(arguments):
                 cell_size=arguments.cell_size,
             )
             found = analyse(question, new_runner(arguments))
-            answer = verdict(found.evidence, None, found.separability)  # as diagnose, with controls
+            found, answer, _ = judge(found)
             none = found.evidence.hypotheses["none"]
             row = {
                 "experiment": one.name,
@@ -185,6 +187,12 @@ def blind(arguments):
     folders = sorted(path for path in (arguments.data / "blind").iterdir() if path.is_dir())
     answers = diagnoses(folders, "blind", arguments)
     write_answers(arguments.tables / "answers.json", answers)
+
+
+def all_series(arguments):
+    """Diagnose the series whose cause is withheld."""
+    answers = series(arguments, BASELINE, controls(arguments.data))
+    write_answers(arguments.tables / ANSWERS, answers)
 
 
 def diagnoses(folders, part, arguments):
@@ -240,6 +248,7 @@ STUDY = Study(
         "discrepancy": discrepancy,
         "labelled": labelled,
         "blind": blind,
+        "series": all_series,
         "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
         "walls": partial(walls, baseline=BASELINE),
         "shape": partial(shape, baseline=BASELINE),
@@ -250,6 +259,7 @@ STUDY = Study(
         "discrepancy",
         "labelled",
         "blind",
+        "series",
         "thin_layers",
         "walls",
         "shape",
