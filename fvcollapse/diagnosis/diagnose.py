@@ -25,7 +25,7 @@ from fvcollapse.diagnosis.oddities import coarse_grid, oddities_of, tell
 from fvcollapse.diagnosis.progress import expected_costs
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.record import recorded
-from fvcollapse.diagnosis.report.findings import report_of
+from fvcollapse.diagnosis.report.findings import partial_answers, report_of
 from fvcollapse.diagnosis.report.made import made
 from fvcollapse.diagnosis.report.page import FIGURES, NEXT_CASE, PAGE, write_page
 from fvcollapse.diagnosis.report.painter import Painter
@@ -33,6 +33,7 @@ from fvcollapse.diagnosis.report.report_file import FILE_NAME, read_report, writ
 from fvcollapse.diagnosis.report.run_table import RUNS_FILE, run_groups, run_rows, write_runs
 from fvcollapse.diagnosis.report.schema import Cost
 from fvcollapse.diagnosis.runner import StandingRunner
+from fvcollapse.diagnosis.sequence import sequence
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
@@ -128,7 +129,8 @@ def diagnose(
         report = report_of(analysis, judged, ladder, following, cost, model)
         rows = run_rows(runner, question)
         origin = made(question, case, effects, folder)
-        details = replace(report.details, runs=run_groups(rows), made=origin)
+        parts = partial_answers(sequence(analysis, judge))
+        details = replace(report.details, runs=run_groups(rows), made=origin, sequence=parts)
         report = replace(report, warnings=warnings, details=details)
         return report if folder is None else written(report, rows, folder, painter.draw)
 

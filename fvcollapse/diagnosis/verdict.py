@@ -10,9 +10,9 @@ up at 5 % only, so that one of them in twenty raises a false alarm.
 An effect that was added to the catalogue after the fit is judged by its tempered evidence, all others by
 the model (`new_effects`).
 
-The model knows nothing of a discrepancy that controls have taught: with them (on particle collapses in which
-nothing is hidden it named unknown and an effect of the view) and without a model evidences are tempered by
-`TEMPERATURE`, which is no calibration: probabilities are capped, and there are no conformal p-values.
+Diagnoses with controls have a model of their own, fitted to laboratories whose physics the believed model lacks.
+Without a model evidences are tempered by `TEMPERATURE`, which is no calibration: probabilities are capped, and there
+are no conformal p-values.
 
 References
 ----------

@@ -58,6 +58,7 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
             practical=practical_of(analysis),
             unexplained=unexplained_of(analysis, verdict),
             grains=grain_words(analysis.evidence.balance),
+            shared_physics=analysis.discrepancy.effects if analysis.discrepancy else {},
             hypotheses=hypotheses(analysis, verdict),
             separability=separability(analysis, verdict),
             ladder=rungs(analysis, ladder),
@@ -78,6 +79,14 @@ def answer_of(verdict):
         probability=dict(verdict.probability),
         set=list(verdict.set),
     )
+
+
+def partial_answers(answers):
+    """What `sequence` found, as the report has it."""
+    return [
+        form.PartialAnswer(experiments=list(names), verdict=answer_of(verdict))
+        for names, verdict in answers
+    ]
 
 
 def levels_of(analysis):

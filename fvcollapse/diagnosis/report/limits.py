@@ -7,6 +7,7 @@ from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
 from fvcollapse.diagnosis.new_effects import new_hypotheses
 from fvcollapse.diagnosis.report.candidates import LIKE_MISCALIBRATION
+from fvcollapse.diagnosis.report.words import hypotheses_listed
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.measure.quantities import CURVES
 
@@ -105,7 +106,7 @@ def model_words(model, evidence):
     if model is None:
         return (
             "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
-            "to these effects, to controls, to so few measured values, or on cells as coarse as these."
+            "to these effects, to so few measured values, or on cells as coarse as these."
         )
     words = (
         "Probabilities hold for collapses like those the verdict was trained on, and for the effects "
@@ -128,10 +129,14 @@ def control_words(analysis):
     learned = analysis.discrepancy
     factors = ", ".join(f"{name} {factor:.2g}" for name, factor in learned.factors.items())
     names = ", ".join(one.name for one in analysis.controls)
+    shared = hypotheses_listed(learned.effects)
+    physics = (
+        f" They show {shared} in all experiments alike, or something like it." if shared else ""
+    )
     return (
         f"The model error learned from the controls ({names}) has been subtracted; discrepancy in units of the "
         f"calibration uncertainty: {factors}; correlation {learned.correlation:.2f} between runs whose "
-        f"slopes differ by {SLOPE_APART:g}°."
+        f"slopes differ by {SLOPE_APART:g}°.{physics}"
     )
 
 

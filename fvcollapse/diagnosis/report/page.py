@@ -116,6 +116,8 @@ def environment():
         "observable": observable_words,
         "meaning": words.effect_meaning,
         "listed": words.listed,
+        "hypotheses_listed": words.hypotheses_listed,
+        "first_causes": words.first_causes,
         "region": region_words,
         "likeness": likeness_words,
         "shown": shown_parameter,

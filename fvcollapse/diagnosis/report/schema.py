@@ -50,6 +50,7 @@ __all__ = [
     "Made",
     "Misfit",
     "NextExperiment",
+    "PartialAnswer",
     "ObservableGap",
     "Parameter",
     "PlaceShare",
@@ -108,6 +109,13 @@ class Cost(Part):
     cached_runs: int = 0
 
 
+class PartialAnswer(Part):
+    """The answer after some of the experiments, in the order in which they were given."""
+
+    experiments: list[str]
+    verdict: Verdict
+
+
 class Details(Part):
     """Everything that the page shows and that is no stable key.
 
@@ -128,6 +136,10 @@ class Details(Part):
         What no hypothesis explains; None where one cause is named, or where the open ones leave nothing significant.
     grains : list of str
         What is wrong with the mass balance of the measured profiles, one sentence each.
+    sequence : list of PartialAnswer
+        After the first experiment, the first two, …; the answer to all is not among them.
+    shared_physics : dict
+        Effect that the controls show in all experiments alike -> its share; see `diagnosis.shared_physics`.
     hypotheses : dict
         Name -> `HypothesisSummary`, "none" and "unknown" among them.
     separability : Separability or None
@@ -154,6 +166,8 @@ class Details(Part):
     practical: dict[str, Practical] = {}
     unexplained: Unexplained | None = None
     grains: list[str] = []
+    sequence: list[PartialAnswer] = []
+    shared_physics: dict[str, float] = {}
     hypotheses: dict[str, HypothesisSummary] = {}
     separability: Separability | None = None
     ladder: list[Rung] = []

@@ -124,6 +124,17 @@ def listed(words, last="and"):
     return f"{', '.join(words[:-1])} {last} {words[-1]}" if len(words) > 1 else "".join(words)
 
 
+def hypotheses_listed(names):
+    """Some hypotheses in words."""
+    return listed(hypothesis_name(name) for name in names)
+
+
+def first_causes(verdict, count=3):
+    """The most probable hypotheses of a verdict, with their probabilities."""
+    first = list(verdict.probability.items())[:count]
+    return ", ".join(f"{hypothesis_name(name)} {percent(share)}" for name, share in first)
+
+
 def candidate_words(candidate):
     """A `next_candidates.Candidate` in words: what differs from the experiment of reference."""
     if candidate.added:
