@@ -14,9 +14,10 @@ from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files.atomic import write_atomic
+from runs.readme_blind import blind_scores
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
-from runs.readme_reports import blind_scores, diagnosis_example, runouts, verification
+from runs.readme_reports import diagnosis_example, runouts, verification
 
 ROOT = Path(__file__).parents[1]
 COMMAND = "python -m runs.readme"
