@@ -16,6 +16,8 @@ from fvcollapse.console.bars import progress_bar, runs_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
 from fvcollapse.output import compilation, stored_names
 from fvcollapse.output import run as output
+from fvcollapse.output.extract import rounded
+from fvcollapse.output.record_layout import lowest
 from fvcollapse.step.geometry import cell_fractions
 
 SERIES = [
@@ -305,3 +307,11 @@ def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, monke
 def test_kernels_that_have_run_are_compiled(case, tmp_path):
     output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
     assert compilation.is_compiled()
+
+
+def test_an_extract_may_round_an_erodible_layer_that_is_gone():
+    """A layer of 2.74983 mm that is gone is stored as 2.75040 mm below its surface."""
+    case = Case().replace(**{"effects.erodible_bed.thickness": 0.00274983})
+    gone = float(rounded(np.array([-0.00274983]))[0])
+    assert gone < -0.00274983
+    assert lowest(case) <= gone

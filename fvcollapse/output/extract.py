@@ -14,6 +14,7 @@ import numpy as np
 from fvcollapse.case.case import Case
 from fvcollapse.files.hdf5 import build_image, write_dataset
 from fvcollapse.output.checkpoint import write_header
+from fvcollapse.output.record_layout import RESOLUTION
 from fvcollapse.output.result import FORMAT, Profiles, Result, write_status
 from fvcollapse.output.stepping import trust_of_record
 from fvcollapse.output.stored_names import PROFILES, SERIES
@@ -22,7 +23,6 @@ from fvcollapse.output.trust import COMPLETE, Trust
 from fvcollapse.version import __version__
 
 INTERVAL = 0.005  # s between rows of the series
-RESOLUTION = 2.0**-18  # m, 4 micrometres: trailing zeros compress
 SMALL = ("v110", "v110")  # the index of a data set takes 2 kB less than in older formats
 LARGEST = ("residual", "divergence")  # of merged steps; of `time` the last, of others the sum
 

@@ -28,6 +28,7 @@ from fvcollapse.output.stored_numbers import (
 from fvcollapse.step.erodible_bed import layer_thickness
 
 FORMAT_VERSION = 1
+RESOLUTION = 2.0**-18  # m, 4 micrometres, of the heights of an extract: trailing zeros compress
 FASTEST = 3.0e8  # m/s, the speed of light
 FRACTION = (0.0, 1.0 + SAME)
 LENGTH = (0.0, LONGEST)
@@ -144,8 +145,8 @@ def read_profiles(file, case):
 
 
 def lowest(case):
-    """Least height of a surface [m]: an erodible layer may be gone."""
-    return -layer_thickness(case) * (1.0 + SAME) - SAME
+    """Least height of a surface [m]: an erodible layer may be gone; an extract rounds it."""
+    return -layer_thickness(case) * (1.0 + SAME) - SAME - 0.5 * RESOLUTION
 
 
 def check_header(file, complete=False):
