@@ -3,8 +3,9 @@
 With gap = simulated - measured, and Delta_k(u) the response to effect k, the evidence is the `likelihood` integrated
 over the parameters and the size of the discrepancy (`quadrature`). "none" is Delta = 0 with the same discrepancies s;
 "unknown" is Delta = 0 with large ones, a discrepancy
-promoted to a hypothesis. Closures of one effect share its prior equally. The best single effect is also
-joined with every other one: the gain of the second tells whether there are two. (A predictive check that
+promoted to a hypothesis. Closures of one effect share its prior equally. The three best single effects are also
+joined with every other one (what two effects do together may look most like a third): the gain of the second tells
+whether there are two. (A predictive check that
 fails, as the condition, let 2 of 30 hidden pairs be named: what two effects leave is small beside all
 uncertainties together, but not in the one direction that counts. Two visible effects add 15 to 200 to the
 logarithm of the evidence; where there is one or none, 90 % add less than 3.)
@@ -36,6 +37,7 @@ from fvcollapse.diagnosis.quadrature import (
 from fvcollapse.diagnosis.sign import DISCREPANCY, Direction
 
 PAIR_ODDS = 0.1
+JOINED = 3  # best single effects that are joined with every other one
 CHECK_PASSED = 0.05  # p-value from which a hypothesis passes the predictive check
 WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
 # of the likelihood in the intervals of parameters. Responses come from one grid and from the material as it is
@@ -202,8 +204,8 @@ class ModelComparison:
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
         single = self.directed(gap, single)
         single.sort(key=lambda each: -each.log_evidence)
-        for other in single[1:] if pairs else ():
-            pair = sorted((single[0], other), key=lambda each: each.name)
+        for pair in joined_pairs(single) if pairs else ():
+            pair = sorted(pair, key=lambda each: each.name)
             both = joined(*(self.closures[each.name][each.variant[0]] for each in pair))
             name = "+".join(each.name for each in pair)
             hypotheses.append(self.with_effect(gap, seen, name, [both], float(np.log(PAIR_ODDS))))
@@ -276,6 +278,13 @@ class ModelComparison:
         by_run = {name: check(counted & own) for name, own in self.runs.items()}
         by_phase = {key: check(counted & own) for key, own in self.phases.items()}
         return check(counted), by_run, by_phase, seen.outside(difference)
+
+
+def joined_pairs(single):
+    """Pairs of single hypotheses, the best first, of which one is among the `JOINED` best."""
+    return [
+        (one, other) for place, one in enumerate(single[:JOINED]) for other in single[place + 1 :]
+    ]
 
 
 def log_evidence_without(seen, sigmas):

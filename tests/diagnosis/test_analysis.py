@@ -102,7 +102,7 @@ def test_the_evidence_of_some_effects_is_that_without_the_others(walls):
     single = {name for name in known.hypotheses if "+" not in name}
     assert single == {*EFFECTS[1:], "none", "unknown"}
     pairs = set(known.hypotheses) - single
-    assert len(pairs) == 2  # of the best effect that it knows
+    assert len(pairs) == 3  # of the effects that it knows
     assert set(both.evidence.hypotheses) == set(walls.evidence.hypotheses) | pairs
     for name in single:
         first, second = walls.evidence.hypotheses[name], known.hypotheses[name]

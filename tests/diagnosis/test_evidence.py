@@ -9,7 +9,7 @@ from scipy.stats import binom, multivariate_normal, multivariate_t, norm
 from fvcollapse.diagnosis import quadrature
 from fvcollapse.diagnosis.covariance import discrepancy_amplitude, discrepancy_kernel
 from fvcollapse.diagnosis.emulator import Response
-from fvcollapse.diagnosis.evidence import ModelComparison, compare
+from fvcollapse.diagnosis.evidence import ModelComparison, compare, joined_pairs
 from fvcollapse.diagnosis.likelihood import ResponseColumns
 from fvcollapse.diagnosis.log_sums import log_sum_exp
 from fvcollapse.diagnosis.quadrature import (
@@ -180,7 +180,7 @@ def test_a_smooth_gap_of_another_shape_is_unknown():
     assert found >= 18
 
 
-def test_the_best_effect_is_joined_with_every_other_one():
+def test_the_best_effects_are_joined_with_every_other_one():
     points, covariance, kernel = setting()
     effects = responses(points, 0.15)
     noise = np.linalg.cholesky(covariance) @ np.random.default_rng(8).standard_normal(len(points))
@@ -195,10 +195,17 @@ def test_the_best_effect_is_joined_with_every_other_one():
     gap = noise - effects["arms"].at(np.array([0.8]))
     single = compare(gap, covariance, kernel, effects, points)
     pairs = {name: each for name, each in single.hypotheses.items() if "+" in name}
-    assert len(pairs) == len(SHAPES) - 1
-    assert all("arms" in name.split("+") for name in pairs)
+    assert set(pairs) == {"arms+bars", "arms+cups", "bars+cups"}
     assert single.best.name == "arms"
     assert max(each.log_evidence for each in pairs.values()) < single.best.log_evidence + 3.0
+
+
+def test_no_more_than_three_effects_are_joined_with_others():
+    single = list("abcdef")
+    pairs = joined_pairs(single)
+    assert len(pairs) == 5 + 4 + 3
+    assert all(set(pair) & set("abc") for pair in pairs)
+    assert len({frozenset(pair) for pair in pairs}) == len(pairs)
 
 
 def test_closures_share_the_prior_of_their_effect():
