@@ -47,7 +47,7 @@ class RememberingRunner(Runner):
         return known, failures
 
 
-def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
+def study(folder, out, workers=1, scheduler=None, quiet=True, only=None, **options):
     """Write the evidence of every case of a folder; files that are there stay.
 
     Parameters
@@ -58,6 +58,8 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
         Gets `<case>.json`.
     workers, scheduler, quiet
         See `workers.run_all`.
+    only : collection of str, optional
+        Names of the cases; default all.
     **options
         `cache`, `cell_size`, `draws`, `effects`, `refinements` and `seed` of the diagnosis; `controls`: whether it
         gets the controls of the laboratory.
@@ -68,7 +70,8 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, **options):
         Case -> NumericalError, of those that could not be compared.
     """
     out = make_folder(Path(out).absolute())
-    missing = [case for case in case_folders(folder) if not (out / f"{case.name}.json").exists()]
+    wanted = [case for case in case_folders(folder) if only is None or case.name in only]
+    missing = [case for case in wanted if not (out / f"{case.name}.json").exists()]
     calls = {batch: (batch, out, options) for batch in in_batches(missing)}
     return each_batch(keep_batch, calls, Resources(workers, scheduler, quiet))
 

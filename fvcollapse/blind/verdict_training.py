@@ -77,6 +77,12 @@ def may_teach(label, controls):
     return unseen and (controls or label["world"]["strength"] == SLIGHT)
 
 
+def teaching_cases(labels, controls):
+    """Names of the cases of a file of labels that may teach a layer."""
+    cases = read_labels(labels)["cases"]
+    return {name for name, entry in cases.items() if may_teach(entry["label"], controls)}
+
+
 def origin_of(label):
     """The `Origin` of a label."""
     return Origin(label["world"]["name"], label["unknown_kind"])

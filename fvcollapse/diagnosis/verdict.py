@@ -27,7 +27,7 @@ from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.diagnosis.sign import ruled_out
-from fvcollapse.diagnosis.verdict_features import TEMPERATURE, balance_logit, class_of
+from fvcollapse.diagnosis.verdict_features import QUIET, TEMPERATURE, asks, balance_logit, class_of
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
 RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
@@ -163,6 +163,7 @@ def tempered_shares(evidence):
     logs = [hypotheses[name].log_evidence / TEMPERATURE for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     logs += [balance_logit(evidence, name) for name in names]
+    logs -= [QUIET * (name == UNKNOWN and not asks(evidence)) for name in names]
     return dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
 
 

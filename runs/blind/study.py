@@ -40,6 +40,7 @@ from fvcollapse.blind.verdict_training import (
     cross_validated,
     make_training,
     teachers,
+    teaching_cases,
     train,
     training_classes,
 )
@@ -106,10 +107,11 @@ def options_of(arguments):
     }
 
 
-def compare(arguments, folder, suite, controls):
+def compare(arguments, folder, suite, controls, only=None):
     """Folder of the evidence of a suite; cases that could not be compared are reported on stderr."""
     out = folder / f"{suite}.evidence{WAYS[controls]}"
-    failed = study(folder / suite, out, controls=controls, **options_of(arguments))
+    options = options_of(arguments) | {"controls": controls, "only": only}
+    failed = study(folder / suite, out, **options)
     for name, error in failed.items():
         print(f"{name}: {error}", file=sys.stderr)
     return out
@@ -121,10 +123,11 @@ def fit_verdict(arguments):
     places += [(folder, "blind") for folder in arguments.used_up]
     scores = {}
     for controls, way in WAYS.items():
-        suites = [
-            (compare(arguments, folder, name, controls), folder / f"{name}.labels.json")
-            for folder, name in places
-        ]
+        suites = []
+        for folder, name in places:
+            labels = folder / f"{name}.labels.json"
+            only = teaching_cases(labels, controls)
+            suites.append((compare(arguments, folder, name, controls, only), labels))
         pairs = teachers(suites, controls)
         about = {"seed": TRAINING_SEED, "per_class": arguments.per_class}
         about |= {"controls": controls, "used_up": len(arguments.used_up)}

@@ -18,7 +18,7 @@ def test_the_steps_are_those_of_an_honest_check():
 @pytest.mark.parametrize(
     ("step", "problem"),
     [
-        ("fit", "no cases"),
+        ("fit", "no such file"),
         ("score", "no such file"),
         ("answer", "no cases"),
         ("reduce", "no cases"),

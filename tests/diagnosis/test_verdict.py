@@ -1,5 +1,6 @@
 """Verdicts: calibrated on cases like the fitted ones, honest about the rest, and never from a pickle."""
 
+import dataclasses
 import json
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from fvcollapse.diagnosis.separability import Separability
 from fvcollapse.diagnosis.verdict import CAP, NONE_RETAINED, capped, named, verdict
 from fvcollapse.diagnosis.verdict_features import (
     CASE_FEATURES,
+    asks,
     class_of,
     features,
     known_logits,
@@ -380,3 +382,15 @@ def test_something_unknown_that_is_ahead_counts_tempered():
     assert known_logits(evidence_of(logs), classes).tolist() == [0.0, 0.0, pytest.approx(2.5)]
     behind = known_logits(evidence_of(logs | {"arms": 3.0}), classes)
     assert behind.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_nothing_unknown_where_nothing_asks_for_an_explanation(model):
+    logs = {name: -3.0 for name in EFFECTS} | {NONE: 0.0, UNKNOWN: 12.0}
+    quiet = dataclasses.replace(evidence_of(logs), left=Left(0, 0.3, 0.0))
+    loud = dataclasses.replace(evidence_of(logs), left=Left(2, 3.0, 0.0))
+    assert not asks(quiet)
+    assert asks(loud)
+    assert asks(evidence_of(logs, {NONE: 0.01}))
+    for layer in (model, None):
+        chances = [verdict(each, layer).probability[UNKNOWN] for each in (quiet, loud)]
+        assert chances[0] < 0.1 < 0.4 < chances[1]
