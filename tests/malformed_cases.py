@@ -28,6 +28,12 @@ MALFORMED = {
     ),
     "fraction of a sweep": ("numerics.max_sweeps = 3.5", "numerics.max_sweeps", "3.5", "a whole"),
     "number for a list": ("time.output_times = 0.5", "time.output_times", "0.5", "a list"),
+    "key with a backtick": (
+        '[grid]\n"a`b" = 1',
+        "grid.a`b",
+        "an unknown key",
+        "closest key is grid.",
+    ),
     "string in a list": ('time.output_times = ["a"]', "time.output_times", '"a" at [0]', "a list"),
     "number for a section": ("geometry = 3", "geometry", "3", "a table"),
     "list of sections": ("[[geometry]]", "geometry", "a list", "a table"),

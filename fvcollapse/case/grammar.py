@@ -1,7 +1,6 @@
 """The grammar of a case file: what a key says of itself, the table of all keys, values as TOML."""
 
 import json
-import re
 import tomllib
 from difflib import get_close_matches
 from functools import cache
@@ -10,6 +9,7 @@ from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
 import msgspec
 
 from fvcollapse.errors import InputError
+from fvcollapse.files.misfit import UNKNOWN, first_misfit
 from fvcollapse.files.regular import read_regular
 from fvcollapse.files.trees import DEPTH_MAX, ENDLESS_NAME, is_deep, tree_problems
 
@@ -99,10 +99,10 @@ def convert(table, model):
     refused = list(tree_problems(table))
     if refused:
         return None, refused
-    try:
-        return msgspec.convert(table, model), []
-    except msgspec.ValidationError as error:
-        return None, [refusal_of_type(table, model, str(error))]
+    misfit = first_misfit(table, model)
+    if misfit is not None:
+        return None, [refusal_of_type(misfit, model)]
+    return msgspec.convert(table, model), []
 
 
 # -- the table of all keys ---------------------------------------------------------------------
@@ -188,24 +188,16 @@ def closest_name(name, names):
     return (get_close_matches(name, names, n=1, cutoff=0.0) or names)[0]
 
 
-def refusal_of_type(table, model, message):
-    """(key, what was found, what is allowed) from the message of a failed `msgspec.convert`."""
-    place = re.search(r" - at `\$\.?([^`]*)`$", message)
-    path = place.group(1) if place else ""
-    unknown = re.search(r"unknown field `(.*?)`", message, re.DOTALL)
-    if unknown:
-        name = f"{path}.{unknown.group(1)}".removeprefix(".")
+def refusal_of_type(misfit, model):
+    """(key, what was found, what is allowed) of the first value of a table that does not fit its model."""
+    names = [step for step in misfit.steps if isinstance(step, str)]
+    indices = "".join(f"[{step}]" for step in misfit.steps if isinstance(step, int))
+    name = ".".join(names)
+    if misfit.form is UNKNOWN:
         return name, "an unknown key", f"the closest key is {closest(name, model)}"
-    found = table
-    for part in re.findall(r"\w+", path):
-        found = found[int(part) if isinstance(found, list) else part]
-    name, bracket, index = path.partition("[")
     info = key_table(model).get(name)
-    return (
-        name,
-        show(found) + (f" at [{index}" if bracket else ""),
-        info.allowed if info else "a table",
-    )
+    found = show(misfit.value) + (f" at {indices}" if indices else "")
+    return name, found, info.allowed if info else "a table"
 
 
 # -- values ------------------------------------------------------------------------------------

@@ -3,17 +3,28 @@
 Keys that a form does not name are allowed: a later version may write more.
 """
 
-import copy
-import re
+from operator import ge, gt, le, lt
 
 import msgspec
+from msgspec import inspect
 
-from fvcollapse.case.grammar import show
+from fvcollapse.case.grammar import show, toml_value
+from fvcollapse.files.misfit import bare, chosen, first_misfit, fits, is_struct, tags_of
 
-PLACE = re.compile(r" - at `\$(.*)`$", re.DOTALL)
-WORDS = {"array": "a list", "object": "a table", "float": "a number", "int": "a whole number"}
-WORDS |= {"str": "text", "bool": "true or false"}
-STEP = re.compile(r"\.(\w+)|\[(\d+)\]|(\[\.\.\.\])")
+KINDS = {
+    inspect.FloatType: "a number",
+    inspect.IntType: "a whole number",
+    inspect.StrType: "text",
+    inspect.BoolType: "true or false",
+    inspect.NoneType: "null",
+    inspect.ListType: "a list",
+    inspect.VarTupleType: "a list",
+    inspect.TupleType: "a list",
+    inspect.DictType: "a table",
+    inspect.StructType: "a table",
+}
+LIMITS = {"gt": (">", gt), "ge": (">=", ge), "lt": ("<", lt), "le": ("<=", le)}
+LENGTHS = {"min_length": (">=", ge), "max_length": ("<=", le)}
 
 
 def form_problems(tree, form):
@@ -29,70 +40,59 @@ def form_problems(tree, form):
     ------
     tuple of str
     """
-    message = misfit(tree, form)
-    if message is None:
-        return
-    steps, tree = [], copy.deepcopy(tree)
-    while True:
-        path = steps_of(message)
-        blind = next((n for n in range(len(steps), len(path)) if path[n] is None), len(path))
-        steps += path[len(steps) : blind]
-        if blind == len(path):
-            break
-        table = value_at(tree, steps)  # msgspec does not tell which key of a table of equal values
-        key, message = blame(tree, table, form, path[: blind + 1])
-        steps.append(key)
-    value = value_at(tree, steps)
-    yield ".".join(map(str, steps)), show(value), allowed_by(message)
+    misfit = first_misfit(tree, form)
+    if misfit is not None:
+        key = ".".join(map(str, misfit.steps))
+        yield key, show(misfit.value), allowed_by(misfit.value, misfit.form)
 
 
-def misfit(tree, form):
-    """What msgspec says of a tree that does not fit, else None."""
+def allowed_by(value, form):
+    """What a form allows in place of a value that does not fit, in words."""
+    struct = chosen(value, form)
+    if is_struct(struct) and isinstance(value, dict):
+        return allowed_in_table(value, struct)
+    field, _ = tags_of(form)
+    if field and isinstance(value, dict):
+        return f"object missing required field {field}"
+    kind = words(inspect.type_info(bare(form)))
+    if not fits(value, bare(form)):
+        return kind
+    info = inspect.type_info(form)
+    exact = float if isinstance(info, inspect.FloatType) else int
+    size = len(value) if isinstance(value, str | list) else value
+    limits = [f"{sign} {exact(limit)}" for sign, limit in exceeded(info, LIMITS, size)]
+    lengths = [f"of length {sign} {limit}" for sign, limit in exceeded(info, LENGTHS, size)]
+    pattern = getattr(info, "pattern", None)
+    return " ".join(
+        [kind, *limits, *lengths, *([f"matching regex {pattern!r}"] if pattern else [])]
+    )
+
+
+def allowed_in_table(value, struct):
+    """The same for a table all of whose values fit."""
+    for field in msgspec.structs.fields(struct):
+        if field.required and field.encode_name not in value:
+            return f"object missing required field {field.encode_name}"
     try:
-        msgspec.convert(tree, form)
-    except msgspec.ValidationError as error:
-        return str(error)
-    return None
+        msgspec.convert(value, struct)
+    except msgspec.ValidationError as error:  # a rule that ties its values together
+        return str(error.__cause__ or error)
+    return "a table"
 
 
-def steps_of(message):
-    """Keys and indices on the way to the value that a message is about; None for an unknown key."""
-    place = PLACE.search(message)
-    found = STEP.findall(place.group(1)) if place else []
-    return [name or (int(index) if index else None) for name, index, _ in found]
+def words(info):
+    """A form in words, from what msgspec knows of it."""
+    if isinstance(info, inspect.UnionType):
+        return " or ".join(dict.fromkeys(map(words, info.types)))
+    if isinstance(info, inspect.LiteralType):
+        return " or ".join(map(toml_value, info.values))
+    length = f" of length {len(info.item_types)}" if isinstance(info, inspect.TupleType) else ""
+    return KINDS.get(type(info), "another kind of value") + length
 
 
-def blame(tree, table, form, path):
-    """(key, message) of the entry of a table inside a tree that is at fault; the others are removed.
-
-    `path` are the steps to it: what is wrong elsewhere in the tree is no fault of an entry.
-    """
-    entries = dict(table)
-    for key, value in entries.items():
-        table.clear()
-        table[key] = value
-        message = misfit(tree, form)
-        if message is not None and steps_of(message)[: len(path)] == path:
-            return key, message
-    raise ValueError("a table that fits")  # unreachable: msgspec has refused one of its entries
-
-
-def value_at(tree, steps):
-    """The value at the end of the steps."""
-    for step in steps:
-        tree = tree[step]
-    return tree
-
-
-def allowed_by(message):
-    """What a message of msgspec says is allowed."""
-    words = PLACE.sub("", message)
-    expected = re.fullmatch(r"Expected (.*?)(, got .*)?", words, re.DOTALL)
-    words = expected.group(1) if expected else words[:1].lower() + words[1:]
-    types = re.sub(r"\b(array|object|float|int|str|bool)\b(?! missing)", spoken, words)
-    return types.replace("`", "").replace("|", "or")
-
-
-def spoken(match):
-    """The name of a type in words."""
-    return WORDS[match.group(0)]
+def exceeded(info, limits, size):
+    """(sign, limit) of each limit of a form that a number, or a length, does not keep."""
+    for name, (sign, keeps) in limits.items():
+        limit = getattr(info, name, None)
+        if limit is not None and not keeps(size, limit):
+            yield sign, limit

@@ -8,6 +8,23 @@ import pytest
 from fvcollapse.output.forms import form_problems
 
 
+class Drag(msgspec.Struct, tag_field="kind", tag="drag"):
+    """One of two forms that `kind` tells apart."""
+
+    rate: float
+
+
+class Strip(msgspec.Struct, tag_field="kind", tag="strip"):
+    """The other one, whose ends are tied together."""
+
+    first: float
+    last: float
+
+    def __post_init__(self):
+        if self.last < self.first:
+            raise ValueError("last >= first")
+
+
 class Row(msgspec.Struct):
     """A form with everything."""
 
@@ -15,6 +32,8 @@ class Row(msgspec.Struct):
     tables: dict[str, dict[str, float]] = {}
     numbers: list[int] = []
     pair: tuple[float, float] = (0.0, 0.0)
+    forces: list[Drag | Strip] = []
+    name: Annotated[str, msgspec.Meta(pattern="^[a-z]+$")] | None = None
 
 
 PROBLEMS = {
@@ -30,6 +49,24 @@ PROBLEMS = {
     "missing": ({}, ("", "a table", "object missing required field size")),
     "in a list": ({"size": 1, "numbers": [1, "a"]}, ("numbers.1", '"a"', "a whole number")),
     "truth for a number": ({"size": True}, ("size", "the boolean true", "a number")),
+    "an unknown tag": (
+        {"size": 1, "forces": [{"kind": "drag", "rate": 1}, {"kind": "lift"}]},
+        ("forces.1.kind", 'the string "lift"', '"drag" or "strip"'),
+    ),
+    "no tag": (
+        {"size": 1, "forces": [{"rate": 1}]},
+        ("forces.0", "a table", "object missing required field kind"),
+    ),
+    "inside the form of a tag": (
+        {"size": 1, "forces": [{"kind": "strip", "first": 0, "last": "b"}]},
+        ("forces.0.last", '"b"', "a number"),
+    ),
+    "values that do not go together": (
+        {"size": 1, "forces": [{"kind": "strip", "first": 1, "last": 0}]},
+        ("forces.0", "a table", "last >= first"),
+    ),
+    "a list too long": ({"size": 1, "pair": [1, 2, 3]}, ("pair", "the list", "a list of length 2")),
+    "optional": ({"size": 1, "name": 3}, ("name", "3", "text or null")),
     "no table": (3, ("", "3", "a table")),
 }
 
