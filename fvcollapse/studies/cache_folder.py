@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import locked_temporary, remove_stale
 
@@ -10,16 +12,17 @@ VARIABLE = "FVCOLLAPSE_CACHE"
 
 
 def default_folder():
-    """Folder of the cache of this user: $FVCOLLAPSE_CACHE, else in $XDG_CACHE_HOME or ~/.cache."""
+    """Folder of the cache of this user: $FVCOLLAPSE_CACHE, else where the system keeps caches."""
     if named := os.environ.get(VARIABLE):
         return Path(named)
-    if named := os.environ.get("XDG_CACHE_HOME"):
-        return Path(named) / "fvcollapse"
     try:
-        return Path.home() / ".cache" / "fvcollapse"
-    except RuntimeError:
-        found = "no home folder of this user"
-        raise InputError("environment", VARIABLE, found, "a folder that may be written") from None
+        folder = user_cache_path("fvcollapse", appauthor=False)
+        if folder.is_absolute():
+            return folder
+    except RuntimeError:  # what older versions answer with "~"
+        pass
+    found = "no home folder of this user"
+    raise InputError("environment", VARIABLE, found, "a folder that may be written") from None
 
 
 def ready_folder(folder=None):
