@@ -1,5 +1,6 @@
 """Compiled kernels are read from the disk without the compiler, which comes when one is missing."""
 
+import inspect
 import math
 import os
 import shutil
@@ -7,11 +8,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
+from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 
 import fvcollapse
-from fvcollapse.step import arrays, stencils
+from fvcollapse.step import arrays, geometry, stencils
+from fvcollapse.step.compiled import KernelCache
 
 PROGRAM = """
 import sys
@@ -91,6 +96,56 @@ def test_kernels_of_a_class_that_is_gone_are_made_again(tmp_path):
     file.write_text(text, encoding="utf-8")
     runs.append(run(tmp_path / "kernels", program, tmp_path))
     assert runs == [["4 0"], ["4 1"], ["4 0"]]
+
+
+# -- what `step/compiled.py` takes from the inside of Numba, of which no upper version is set --------
+
+METHODS = {  # of a cache, which ours calls or replaces
+    "_index_key": ["self", "sig", "codegen"],
+    "save_overload": ["self", "sig", "data"],
+    "load_overload": ["self", "sig", "target_context"],
+    "_load_overload": ["self", "sig", "target_context"],
+    "_guard_against_spurious_io_errors": ["self"],
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_the_cache_of_numba_has_the_methods_that_ours_builds_on(name):
+    assert list(inspect.signature(getattr(FunctionCache, name)).parameters) == METHODS[name]
+
+
+def test_an_index_of_another_version_is_not_read(tmp_path, monkeypatch):
+    """Numba compares the version that ours sets with that in the index before it reads the entries."""
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+
+    def loaded(version):
+        file = KernelCache(geometry.wetted_edge.py_func)._cache_file
+        assert isinstance(file._version, str)
+        file._version = version
+        return file
+
+    loaded("a").save("key", 3.0)
+    assert loaded("a").load("key") == 3.0
+    assert loaded("b").load("key") is None
+
+
+def test_a_kernel_has_the_parts_that_are_replaced():
+    """The entry of a call, the place of what is compiled, and the two wrappers that are left out."""
+    kernel = numba.njit(no_cfunc_wrapper=True, no_cpython_wrapper=True)(lambda x: x + 1.0)
+    assert callable(kernel._compile_for_args)
+    assert list(inspect.signature(kernel.add_overload).parameters) == ["cres"]
+    kept = {}
+    kernel.add_overload = lambda made: kept.setdefault(tuple(made.signature.args), made)
+    kernel.compile("(float64,)")
+    ((arguments, made),) = kept.items()
+    assert arguments == (numba.float64,)
+    defined = made.library.get_defined_functions()
+    names = [function.name for function in defined if not function.is_declaration]
+    assert names
+    assert not [name for name in names if "cpython" in name or name.startswith("cfunc")]
+    assert callable(rtsys.initialize)
+    assert kernel.targetoptions["no_cpython_wrapper"]
+    assert isinstance(kernel.stats.cache_hits, dict)
 
 
 @pytest.mark.parametrize("values", [[math.nan, 1.0], [1.0, math.nan], [math.nan, math.nan]])

@@ -17,6 +17,7 @@ from fvcollapse.commands import (
     compare,
     converge,
     diagnose,
+    examples,
     import_curves,
     keys,
     new,
@@ -36,6 +37,7 @@ from fvcollapse.version import __version__
 COMMANDS = (
     run,
     new,
+    examples,
     plot,
     compare,
     verify,
