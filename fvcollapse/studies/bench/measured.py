@@ -1,6 +1,6 @@
 """What one case costs, measured within a process: the stages of the steps, and the parts of a sweep."""
 
-import resource
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -15,6 +15,11 @@ from fvcollapse.step import assembly, coefficients
 from fvcollapse.step.advance import STAGES, balance_of
 from fvcollapse.step.banded import allocate_system, clear, factorise, solve_factorised
 from fvcollapse.step.compiled import from_python, kernel_jit
+
+try:
+    import resource
+except ImportError:  # not on Windows
+    resource = None
 
 TERMS = {
     "move_surface": "surface",
@@ -182,8 +187,11 @@ def member(case_text):
 
 
 def largest_memory():
-    """Largest memory of this process so far, MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    """Largest memory of this process so far, MB; None where the system does not tell (Windows)."""
+    if resource is None:
+        return None
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kB elsewhere
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
 
 
 def loop_time(case):

@@ -13,7 +13,7 @@ COLUMNS = {  # heading: how the figure of a case is written
     "solves": lambda case: str(case["linear_iterations"]),
     "us/cell/step": lambda case: f"{case['us_per_cell_and_step']:.2f}",
     "bound s": lambda case: f"{case['bound_s']:.3f}",
-    "MB": lambda case: f"{case['memory_mb']:.0f}",
+    "MB": lambda case: "-" if case["memory_mb"] is None else f"{case['memory_mb']:.0f}",
 }
 
 
