@@ -19,7 +19,7 @@ BLOCK = re.compile(
 )
 EXECUTED, SAVED, SHOWN = ("sh", "python"), ("toml",), ("text",)
 LEFT_OUT = shutil.ignore_patterns(
-    ".git", ".venv*", ".*_cache", ".hypothesis", "out", "dist", "*.egg-info"
+    ".git", ".venv*", ".*_cache", ".hypothesis", "out", "dist", "*.egg-info", "report.html"
 )
 
 
@@ -47,7 +47,7 @@ def block_of(words, code, is_slow):
 
 
 def checkout(folder):
-    """A copy of this checkout, with compiled kernels, in which commands run; its environment."""
+    """A copy of this checkout, with compiled kernels and without what git leaves out; its environment."""
     shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
     programs = folder / "out" / "bin"
     programs.mkdir(parents=True)
@@ -61,6 +61,22 @@ def checkout(folder):
         "PYTHONPATH": str(folder),
         "FVCOLLAPSE_CACHE": str(folder / "out" / "cache"),
     }
+
+
+def fresh_clone(folder):
+    """The same without compiled kernels, and an environment in which the package must be installed first."""
+    environment = checkout(folder)
+    for cache in list(folder.rglob("__pycache__")):
+        shutil.rmtree(cache)
+    return {name: value for name, value in environment.items() if name != "PYTHONPATH"}
+
+
+def activated(environment, folder):
+    """The environment once its reader has made and activated `.venv`."""
+    programs = folder / ".venv" / "bin"
+    if not programs.is_dir() or environment["PATH"].startswith(str(programs)):
+        return environment
+    return environment | {"PATH": f"{programs}{os.pathsep}{environment['PATH']}"}
 
 
 def run_blocks(blocks, folder, environment):
@@ -77,8 +93,9 @@ def run_blocks(blocks, folder, environment):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(block.code, encoding="utf-8")
         elif block.language in EXECUTED:
+            environment = activated(environment, folder)
             shell = ["bash", "-e", "-o", "pipefail", "-c"]
-            call = shell if block.language == "sh" else [sys.executable, "-c"]
+            call = shell if block.language == "sh" else ["python", "-c"]
             done = subprocess.run(
                 [*call, block.code], cwd=folder, env=environment, capture_output=True, text=True
             )

@@ -13,6 +13,7 @@ from readme_blocks import (
     Block,
     blocks_of,
     checkout,
+    fresh_clone,
     run_blocks,
 )
 
@@ -32,6 +33,7 @@ CALL = re.compile(
 )
 PLACEHOLDERS = ("runs.<study>.study", "plots.<figure>")
 LINES_MAX = {"README.md": 150, "runs/README.md": 60}
+TEXTS = ("fvcollapse/CHANGELOG.md", "fvcollapse/CONTRIBUTING.md")
 PICTURE_MAX = 150_000  # bytes
 
 
@@ -72,11 +74,40 @@ def test_code_runs(path, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXECUTABLE, ids=name_of)
 def test_all_code_runs(path, tmp_path):
-    """What takes minutes too; the first README installs the package and runs its tests."""
+    """What takes minutes too; the first README installs the package in a fresh clone and runs its tests."""
     blocks = blocks_of(path)
     if any(block.is_slow for block in blocks):
         folder = tmp_path / "checkout"
-        run_blocks(blocks, folder, checkout(folder))
+        installs = any("pip install" in block.code for block in blocks)
+        run_blocks(blocks, folder, (fresh_clone if installs else checkout)(folder))
+
+
+def test_blocks_run_in_their_order_and_in_the_environment_that_they_make(tmp_path):
+    folder = tmp_path / "checkout"
+    environment = fresh_clone(folder)
+    assert not list(folder.rglob("__pycache__"))
+    made = "mkdir -p .venv/bin\nprintf '#!/bin/sh\\ncat a.toml' > .venv/bin/fvcollapse\nchmod +x .venv/bin/fvcollapse\n"
+    blocks = [
+        Block("toml", ("a.toml",), "first = 1\n"),
+        Block("sh", (), made, is_slow=True),
+        Block("sh", (), "fvcollapse > out/b.toml\n"),
+        Block(
+            "python", (), "import pathlib; pathlib.Path('c').write_text(open('out/b.toml').read())"
+        ),
+        Block("text", (), "exit 1\n"),
+    ]
+    run_blocks(blocks, folder, environment)
+    assert (folder / "c").read_text(encoding="utf-8") == "first = 1\n"
+
+
+def test_the_blocks_of_the_first_readme_are_those_of_a_newcomer():
+    """Installation, tests, a case that is saved, its run, the same from Python: in this order, none left out."""
+    blocks = blocks_of(ROOT / "README.md")
+    languages = [block.language for block in blocks]
+    assert languages[:5] == ["sh", "sh", "toml", "sh", "python"]
+    assert "pip install . " in blocks[0].code
+    assert blocks[2].words == ("case.toml",)
+    assert "run case.toml" in blocks[3].code
 
 
 def test_a_block_that_fails_is_seen(tmp_path):
@@ -154,7 +185,7 @@ def anchors(path):
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize("path", [*FILES, ROOT / "fvcollapse" / "CHANGELOG.md"], ids=name_of)
+@pytest.mark.parametrize("path", [*FILES, *map(ROOT.joinpath, TEXTS)], ids=name_of)
 def test_links_lead_somewhere(path):
     for match in LINK.finditer(path.read_text(encoding="utf-8")):
         target = (path.parent / match["path"]).resolve() if match["path"] else path
