@@ -80,11 +80,15 @@ def parts(value, form):
 
 def chosen(value, form):
     """The form that a value is meant to have: bare of its range, and one of several."""
-    while get_origin(form) is Annotated:
-        form = get_args(form)[0]
-    if get_origin(form) not in (Union, UnionType):
-        return form
-    return next((inner for inner in map(bare, get_args(form)) if is_meant(value, inner)), NONE)
+    forms = [bare(inner) for inner in alternatives(form)]
+    if len(forms) == 1:
+        return forms[0]
+    return next((inner for inner in forms if is_meant(value, inner)), NONE)
+
+
+def alternatives(form):
+    """The forms of which a value may have one, with their ranges."""
+    return get_args(form) if get_origin(form) in (Union, UnionType) else (form,)
 
 
 def tags_of(form):

@@ -9,7 +9,15 @@ import msgspec
 from msgspec import inspect
 
 from fvcollapse.case.grammar import show, toml_value
-from fvcollapse.files.misfit import bare, chosen, first_misfit, fits, is_struct, tags_of
+from fvcollapse.files.misfit import (
+    alternatives,
+    bare,
+    chosen,
+    first_misfit,
+    fits,
+    is_struct,
+    tags_of,
+)
 
 KINDS = {
     inspect.FloatType: "a number",
@@ -54,18 +62,17 @@ def allowed_by(value, form):
     field, _ = tags_of(form)
     if field and isinstance(value, dict):
         return f"object missing required field {field}"
-    kind = words(inspect.type_info(bare(form)))
-    if not fits(value, bare(form)):
-        return kind
-    info = inspect.type_info(form)
+    ranged = [inner for inner in alternatives(form) if fits(value, bare(inner))]
+    if not ranged:
+        return words(inspect.type_info(form))
+    kind, info = words(inspect.type_info(bare(ranged[0]))), inspect.type_info(ranged[0])
     exact = float if isinstance(info, inspect.FloatType) else int
-    size = len(value) if isinstance(value, str | list) else value
+    size = len(value) if isinstance(value, str | list | dict) else value
     limits = [f"{sign} {exact(limit)}" for sign, limit in exceeded(info, LIMITS, size)]
     lengths = [f"of length {sign} {limit}" for sign, limit in exceeded(info, LENGTHS, size)]
-    pattern = getattr(info, "pattern", None)
-    return " ".join(
-        [kind, *limits, *lengths, *([f"matching regex {pattern!r}"] if pattern else [])]
-    )
+    if not (limits or lengths) and getattr(info, "pattern", None):
+        return f"{kind} matching regex {info.pattern!r}"
+    return " ".join([kind, *limits, *lengths])
 
 
 def allowed_in_table(value, struct):

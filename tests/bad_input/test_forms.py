@@ -34,6 +34,8 @@ class Row(msgspec.Struct):
     pair: tuple[float, float] = (0.0, 0.0)
     forces: list[Drag | Strip] = []
     name: Annotated[str, msgspec.Meta(pattern="^[a-z]+$")] | None = None
+    shares: Annotated[dict[str, float], msgspec.Meta(min_length=1)] | None = None
+    digest: Annotated[str, msgspec.Meta(pattern="^[0-9a-f]+$", min_length=2)] = "00"
 
 
 PROBLEMS = {
@@ -66,6 +68,12 @@ PROBLEMS = {
         ("forces.0", "a table", "last >= first"),
     ),
     "a list too long": ({"size": 1, "pair": [1, 2, 3]}, ("pair", "the list", "a list of length 2")),
+    "an empty table": ({"size": 1, "shares": {}}, ("shares", "a table", "a table of length >= 1")),
+    "a short text": ({"size": 1, "digest": "0"}, ("digest", '"0"', "text of length >= 2")),
+    "a text of other letters": (
+        {"size": 1, "digest": "xyz"},
+        ("digest", '"xyz"', "text matching regex '^[0-9a-f]+$'"),
+    ),
     "optional": ({"size": 1, "name": 3}, ("name", "3", "text or null")),
     "no table": (3, ("", "3", "a table")),
 }

@@ -8,6 +8,7 @@ from blind_suite import make_wedges
 from report_example import example
 
 from fvcollapse.__main__ import main
+from fvcollapse.blind import calibration, outcomes
 from fvcollapse.blind.answers import answer_of_report
 from fvcollapse.blind.score import score
 from fvcollapse.blind.score_table import table
@@ -32,6 +33,15 @@ RIGHT = {
         "set": ["cohesion+gate", "gate"],
     },
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_samples():
+    """Of the bootstrap, whose intervals no test here looks at (`test_metrics.py` does)."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (outcomes, calibration):
+            patch.setattr(module, "SAMPLES", 40)
+        yield
 
 
 @pytest.fixture(scope="module")
