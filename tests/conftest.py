@@ -3,6 +3,7 @@
 import os
 
 import hypothesis
+import pytest
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 # one process for each core: more threads only wait for each other, and move the last digit
@@ -12,3 +13,15 @@ os.environ.setdefault("MKL_NUM_THREADS", "1")
 # Derandomised: a test that fails on one machine fails on all. No deadline: compilation is slow.
 hypothesis.settings.register_profile("fvcollapse", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("fvcollapse")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_wait_for_the_disk():
+    """Files of tests need not outlive the power: forcing each to the disk takes ten times as long as writing it.
+
+    That it is asked for is tested by a disk that is full when it is (`bad_input/test_result_files.py`). Processes that
+    tests start still force theirs.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda handle: None)
+        yield

@@ -106,6 +106,11 @@ def inner_kernels():
 
 
 INNER = inner_kernels()
+# by module: thousands of tests of a millisecond would cost more than what they check
+MODULES_OF_KERNELS = {}
+for each in KERNELS:
+    MODULES_OF_KERNELS.setdefault(each.id.rpartition(".")[0], []).append((each.id, *each.values))
+in_modules = pytest.mark.parametrize("module", MODULES_OF_KERNELS)
 
 
 def test_the_checks_see_the_code():
@@ -194,20 +199,21 @@ def test_the_step_reads_and_writes_no_files(name):
     assert not {"open", "print"} & set(calls)
 
 
-@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
-def test_kernel_is_cached_and_exact(kernel, decorator):
+@in_modules
+def test_kernels_are_cached_and_exact(module):
     """Fast arithmetic loses NaN checks; threads may change sums; without a cache each start waits.
 
     Division by zero may give inf or NaN in place of an error: the sweeps find them in the velocity.
     """
-    if isinstance(decorator, ast.Name):  # in `stepper` and `marcher`, which call one of the two
-        assert decorator.id == "jit"
-        return
-    assert ast.unparse(decorator.func) in ("kernel_jit", "inner_jit")
-    options = {option.arg: ast.unparse(option.value) for option in decorator.keywords}
-    options.pop("inline", None)
-    assert options.pop("error_model", "'numpy'") == "'numpy'"
-    assert not options
+    for name, _, decorator in MODULES_OF_KERNELS[module]:
+        if isinstance(decorator, ast.Name):  # in `stepper` and `marcher`, which call one of the two
+            assert decorator.id == "jit", name
+            continue
+        assert ast.unparse(decorator.func) in ("kernel_jit", "inner_jit"), name
+        options = {option.arg: ast.unparse(option.value) for option in decorator.keywords}
+        options.pop("inline", None)
+        assert options.pop("error_model", "'numpy'") == "'numpy'", name
+        assert not options, name
 
 
 def test_the_decorators_cache_and_ask_for_no_fast_arithmetic():
@@ -256,34 +262,35 @@ def test_python_calls_no_inner_kernel():
             assert name not in INNER.get(module, ()), f"{path} calls {module}.{name}"
 
 
-@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
-def test_kernel_takes_numbers_and_arrays_only(kernel, decorator):
-    arguments = kernel.args
-    names = {a.arg for a in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]}
-    assert not names & OBJECTS
-    assert arguments.vararg is None
-    assert arguments.kwarg is None
-    assert not arguments.defaults
-    used = {node.id for node in ast.walk(kernel) if isinstance(node, ast.Name)}
-    assert not used & OBJECTS
-    assert "prange" not in used
+@in_modules
+def test_kernels_take_numbers_and_arrays_only(module):
+    for name, kernel, _ in MODULES_OF_KERNELS[module]:
+        arguments = kernel.args
+        names = {a.arg for a in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]}
+        assert not names & OBJECTS, name
+        assert arguments.vararg is None, name
+        assert arguments.kwarg is None, name
+        assert not arguments.defaults, name
+        used = {node.id for node in ast.walk(kernel) if isinstance(node, ast.Name)}
+        assert not used & OBJECTS, name
+        assert "prange" not in used, name
 
 
-@pytest.mark.parametrize(("kernel", "decorator"), KERNELS)
-def test_kernel_holds_no_strings_dicts_or_closures(kernel, decorator):
-    letters = {  # ord("L") is a number to the compiler
-        id(argument)
-        for node in ast.walk(kernel)
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == "ord"
-        for argument in node.args
-    }
-    body = kernel.body[1:] if ast.get_docstring(kernel) else kernel.body
+@in_modules
+def test_kernels_hold_no_strings_dicts_or_closures(module):
     forbidden = (ast.Dict, ast.DictComp, ast.JoinedStr, ast.Lambda, ast.FunctionDef, ast.Global)
-    for statement in body:
-        for node in ast.walk(statement):
-            assert not isinstance(node, forbidden), f"line {node.lineno}"
+    for name, kernel, _ in MODULES_OF_KERNELS[module]:
+        letters = {  # ord("L") is a number to the compiler
+            id(argument)
+            for node in ast.walk(kernel)
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "ord"
+            for argument in node.args
+        }
+        body = kernel.body[1:] if ast.get_docstring(kernel) else kernel.body
+        for node in (node for statement in body for node in ast.walk(statement)):
+            assert not isinstance(node, forbidden), f"{name}, line {node.lineno}"
             is_text = isinstance(node, ast.Constant) and isinstance(node.value, str | bytes)
-            assert not is_text or id(node) in letters, f"line {node.lineno}"
+            assert not is_text or id(node) in letters, f"{name}, line {node.lineno}"
 
 
 # -- sizes ---------------------------------------------------------------------------------------

@@ -238,9 +238,14 @@ def test_folder_that_cannot_be_written(report, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def drawn(folder):
-    """Drawn from the file, as the page is."""
-    chapters = pictures(read_report(folder))
+def chapters(folder):
+    """The figures of all chapters, drawn from the file, as the page is, by this process."""
+    return pictures(read_report(folder))
+
+
+@pytest.fixture(scope="module")
+def drawn(chapters):
+    """The same by name."""
     return {one.name: one for chapter in chapters.values() for one in chapter}
 
 
@@ -460,22 +465,19 @@ def test_oddities_stand_above_what_was_compared(page, tmp_path):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_figures_drawn_by_two_processes_are_the_same(folder, workers):
-    report = read_report(folder)
+def test_figures_drawn_by_two_processes_are_the_same(folder, chapters, workers):
     with StandingWorkers(workers) as standing:
-        chapters = pictures(report, Painter(standing).draw)
-    assert chapters == pictures(report)
+        assert pictures(read_report(folder), Painter(standing).draw) == chapters
 
 
-def test_figures_of_a_process_that_dies_are_drawn_here(folder):
+def test_figures_of_a_process_that_dies_are_drawn_here(folder, chapters):
     class Dead:
         def submit(self, task, *arguments):
             future = Future()
             future.set_exception(BrokenExecutor("the process ended with status -9"))
             return future
 
-    report = read_report(folder)
-    assert pictures(report, Painter(Dead()).draw) == pictures(report)
+    assert pictures(read_report(folder), Painter(Dead()).draw) == chapters
 
 
 def test_what_is_left_unexplained_is_on_the_page_and_in_the_answer(report, page, tmp_path):
