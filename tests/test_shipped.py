@@ -1,6 +1,7 @@
 """The case and the experiments come with the package, in a wheel too: paths of the READMEs work outside a checkout."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -13,8 +14,11 @@ from readme_blocks import ROOT
 
 from fvcollapse.__main__ import main
 from fvcollapse.files.shipped import shipped_files
+from fvcollapse.version import __version__
 
 RUNS = ROOT / "runs"
+MINORS = (11, 12, 13)  # of Python
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 DATA = {
     path.relative_to(RUNS): path.read_bytes()
     for path in [RUNS / "collapse_22deg_w10cm.toml", *(RUNS / "experiments").rglob("*")]
@@ -32,13 +36,20 @@ def contents(folder):
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """A folder with the contents of the wheel, as pip unpacks it."""
+def wheel(tmp_path_factory):
+    """The wheel of this checkout."""
     folder = tmp_path_factory.mktemp("wheel")
-    (wheel,) = WheelBuilder(str(ROOT)).build(directory=str(folder / "dist"), versions=["standard"])
+    (path,) = WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"])
+    return path
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """A folder with the contents of the wheel, as pip unpacks it."""
+    folder = tmp_path_factory.mktemp("site")
     with ZipFile(wheel) as file:
-        file.extractall(folder / "site")
-    return folder / "site"
+        file.extractall(folder)
+    return folder
 
 
 def fvcollapse(site, folder, *words):
@@ -102,9 +113,44 @@ def test_everything_that_is_not_python_is_in_the_wheel(installed):
 
 
 def test_the_citation_is_of_this_version():
-    from fvcollapse.version import __version__
-
     text = (ROOT / "fvcollapse" / "CITATION.cff").read_text(encoding="utf-8")
     assert f"\nversion: {__version__}\n" in text
-    license_of_project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    assert f"\nlicense: {license_of_project['license']}\n" in text
+    assert f"\nlicense: {PROJECT['license']}\n" in text
+
+
+def interpreter(minor):
+    """A Python 3.<minor> of this machine that starts; None if there is none."""
+    name = f"python3.{minor}"
+    others = sorted(Path.home().glob(f".pyenv/versions/3.{minor}.*/bin/{name}"))
+    for path in filter(None, (shutil.which(name), *map(str, others))):
+        call = [path, "-c", f"import sys; sys.exit(sys.version_info[:2] != (3, {minor}))"]
+        if subprocess.run(call, capture_output=True, check=False).returncode == 0:
+            return path
+    return None
+
+
+def test_the_versions_that_are_stated_are_those_that_are_tested():
+    stated = [line.rpartition(".")[2] for line in PROJECT["classifiers"] if ":: 3." in line]
+    assert [int(minor) for minor in stated] == list(MINORS)
+    assert PROJECT["requires-python"] == f">=3.{MINORS[0]}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("minor", MINORS)
+def test_a_wheel_is_installed_and_runs(minor, wheel, tmp_path):
+    """In a fresh environment of every Python that is stated, as far as this machine has it."""
+    python = interpreter(minor)
+    if python is None:
+        pytest.skip(f"no Python 3.{minor} here")
+    programs = tmp_path / ".venv" / "bin"
+    case = ["runs/collapse_22deg_w10cm.toml", "--set", "grid.cell_size=0.03", "--set"]
+    for call in (
+        [python, "-m", "venv", ".venv"],
+        [programs / "pip", "install", "--quiet", wheel],
+        [programs / "fvcollapse", "examples"],
+        [programs / "fvcollapse", "run", *case, "time.end=0.1", "--out", "out"],
+        [programs / "fvcollapse", "plot", "out"],
+    ):
+        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"{call}\n{done.stdout}\n{done.stderr}"
+    assert (tmp_path / "out" / "result.h5").is_file()
