@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -48,7 +49,7 @@ def block_of(words, code, is_slow):
 
 def checkout(folder):
     """A copy of this checkout, with compiled kernels and without what git leaves out; its environment."""
-    shutil.copytree(ROOT, folder, ignore=LEFT_OUT)
+    shutil.copytree(ROOT, folder, ignore=LEFT_OUT, copy_function=copy_of)
     programs = folder / "out" / "bin"
     programs.mkdir(parents=True)
     for name, call in (("python", ""), ("fvcollapse", "-m fvcollapse ")):
@@ -61,6 +62,14 @@ def checkout(folder):
         "PYTHONPATH": str(folder),
         "FVCOLLAPSE_CACHE": str(folder / "out" / "cache"),
     }
+
+
+def copy_of(source, target):
+    """Copy a file; compiled ones, which are large and only ever replaced, are linked where that is possible."""
+    if Path(source).parent.name == "__pycache__":
+        with suppress(OSError):
+            return os.link(source, target)
+    return shutil.copy2(source, target)
 
 
 def fresh_clone(folder):

@@ -55,6 +55,13 @@ def run(folder, program=PROGRAM, source=None):
     return done.stdout.splitlines()
 
 
+def copied_package(folder):
+    """A copy of the package, without its compiled kernels, that may be changed."""
+    source = Path(fvcollapse.__file__).parent
+    ignore = shutil.ignore_patterns("__pycache__")
+    return Path(shutil.copytree(source, folder / source.name, ignore=ignore))
+
+
 def test_the_second_start_does_not_load_the_compiler(tmp_path):
     assert run(tmp_path) == ["0 True"]
     assert run(tmp_path) == ["1 False", "0 True"]
@@ -70,10 +77,9 @@ def test_a_kernel_without_an_entry_for_python_refuses_it():
 
 def test_a_kernel_is_made_again_when_another_file_of_the_step_changes(tmp_path):
     """It may contain kernels of that file."""
-    package = Path(fvcollapse.__file__).parent
-    shutil.copytree(package, tmp_path / package.name)
+    package = copied_package(tmp_path)
     runs = [run(tmp_path / "kernels", HITS, tmp_path) for _ in range(2)]
-    with (tmp_path / package.name / "step" / "stencils.py").open("a") as file:
+    with (package / "step" / "stencils.py").open("a") as file:
         file.write("# changed\n")
     runs.append(run(tmp_path / "kernels", HITS, tmp_path))
     assert runs == [["0"], ["1"], ["0"]]
@@ -81,14 +87,13 @@ def test_a_kernel_is_made_again_when_another_file_of_the_step_changes(tmp_path):
 
 def test_kernels_of_a_class_that_is_gone_are_made_again(tmp_path):
     """An index on the disk names the classes of the arguments."""
-    package = Path(fvcollapse.__file__).parent
-    shutil.copytree(package, tmp_path / package.name)
+    package = copied_package(tmp_path)
     program = (
         "from fvcollapse.step.geometry import allocate_geometry, last_face\n"
         "print(last_face(allocate_geometry(3, 2)), sum(last_face.stats.cache_hits.values()))"
     )
     runs = [run(tmp_path / "kernels", program, tmp_path) for _ in range(2)]
-    file = tmp_path / package.name / "step" / "geometry.py"
+    file = package / "step" / "geometry.py"
     text = file.read_text(encoding="utf-8")
     text = text.replace("class Geometry(", "class Grains(").replace(
         "return Geometry(", "return Grains("
