@@ -37,6 +37,8 @@ class Style(NamedTuple):
         Length [m] and time [s] over which the error of the believed model varies.
     designs : tuple of tuples of str
         Set-ups of the experiments of a case.
+    slight_share : float
+        Share of worlds whose own physics is slight.
     """
 
     cells: tuple
@@ -49,6 +51,7 @@ class Style(NamedTuple):
     worlds: tuple
     error_lengths: tuple
     designs: tuple
+    slight_share: float = 0.5
 
 
 TRAINING = Style(

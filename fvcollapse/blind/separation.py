@@ -1,14 +1,15 @@
 """How far apart the effects of a case are for its data, kept in a file so that no run is read again.
 
-With W the whitened responses at all levels of all closures (`diagnosis.separability`: C(s) at s = 0.2), the file holds
-W^T W. The response of a closure at any u is a sum of its levels with the weights of the emulator, so that every
-distance follows from these products, also the one at the parameters that were hidden.
+With W the whitened responses at all levels of all closures, C(s) at the discrepancy s of the best hypothesis (at most
+the largest that an effect is compared with), the file holds W^T W. The response of a closure at any u is a sum of its
+levels with the weights of the emulator, so that every distance follows from these products, also the one at the
+parameters that were hidden.
 """
 
 import numpy as np
 
 from fvcollapse.diagnosis.emulator import Kriging
-from fvcollapse.diagnosis.separability import DISCREPANCY
+from fvcollapse.diagnosis.quadrature import DISCREPANCIES
 
 DIGITS = 6
 
@@ -22,7 +23,8 @@ def separation_of(analysis):
         `closures` {effect: [{"levels": (m, d), "columns": (m,)}]}, and `products` (n, n) of all columns.
     """
     comparison = analysis.comparison
-    white, closures, columns = comparison.whitened[DISCREPANCY], {}, []
+    sigma = min(analysis.evidence.best.sigma, DISCREPANCIES[-1])
+    white, closures, columns = comparison.whitened[sigma], {}, []
     for name, variants in comparison.closures.items():
         closures[name] = []
         for variant in variants:

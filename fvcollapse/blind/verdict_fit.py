@@ -32,7 +32,7 @@ from fvcollapse.errors import InputError
 # what an effect differs by, and of the numbers of a whole case
 PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
 FOLDS = 5
-LEAST_CASES = 4  # of a class
+LEAST_CASES = 2  # of a class
 
 
 class Origin(NamedTuple):

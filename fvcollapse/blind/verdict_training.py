@@ -11,7 +11,7 @@ from fvcollapse.blind.make import make
 from fvcollapse.blind.metrics import all_scores
 from fvcollapse.blind.outcomes import Outcome
 from fvcollapse.blind.verdict_fit import Origin, fit, left_out
-from fvcollapse.blind.worlds import SLIGHT
+from fvcollapse.blind.worlds import GENTLE, SLIGHT
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.verdict import verdict
 from fvcollapse.studies.workers import HERE
@@ -37,11 +37,11 @@ def training_classes(per_class, seed):
     return rng.permutation(classes).tolist()
 
 
-def make_training(classes, folder, seed, resources=HERE):
+def make_training(classes, folder, seed, resources=HERE, slight_share=TRAINING.slight_share):
     """Make a training suite of these causes; see `make`."""
-    return make(
-        len(classes), folder, None, Draw(TRAINING, classes, seed, per_world=PER_WORLD), resources
-    )
+    style = TRAINING._replace(slight_share=slight_share)
+    draw = Draw(style, classes, seed, per_world=PER_WORLD)
+    return make(len(classes), folder, None, draw, resources)
 
 
 def read_suite(out, labels):
@@ -74,7 +74,9 @@ def teachers(suites, controls):
 def may_teach(label, controls):
     """Whether a label may teach a layer; see `teachers`."""
     unseen = label["unknown_kind"] not in BLIND.unknowns
-    return unseen and (controls or label["world"]["strength"] == SLIGHT)
+    world = label["world"]
+    gentle = world["strength"] == SLIGHT and set(world.get("kinds", ())) <= set(GENTLE)
+    return unseen and (controls or gentle)
 
 
 def teaching_cases(labels, controls):

@@ -17,10 +17,12 @@ from fvcollapse.blind.set_ups import BELIEVED, MATERIAL_SD, STATEMENTS
 from fvcollapse.effects.catalogue import CATALOGUE
 
 SLIGHT, STRONG = "slight", "strong"
-SLIGHT_SHARE = 0.5
 SIZES = {SLIGHT: (0.05, 0.25), STRONG: (0.4, 1.0)}  # of the physics
 ERROR_SIZES = (0.2, 1.0)  # of the smooth error, in worlds of either strength
 PHYSICS = {SLIGHT: (0.5, 0.5, 0.0), STRONG: (0.0, 0.6, 0.4)}  # shares of worlds with 0, 1, 2 kinds
+# kinds that vanish with their size, the only ones of slight worlds: grains that slide on the bed, dilate or lie on it
+# loosely do so however little
+GENTLE = ("thin_layers", "uneven_bed", "thin_layers_without_fluidity", "rubbing_walls")
 MOST_CONTROLS = 4
 QUALITY = (0.7, 1.6)  # errors of single readings, relative to those of a good camera
 WAVES = 8
@@ -120,9 +122,10 @@ def draw_world(name, style, seed, cells=None):
         every experiment has its own}, and `set_ups` of the controls.
     """
     rng = np.random.default_rng(seed)
-    strength = SLIGHT if rng.random() < SLIGHT_SHARE else STRONG
+    strength = SLIGHT if rng.random() < style.slight_share else STRONG
     count = int(rng.choice(3, p=PHYSICS[strength]))
-    kinds = [str(kind) for kind in rng.choice(style.worlds, count, replace=False)]
+    possible = [kind for kind in style.worlds if strength == STRONG or kind in GENTLE]
+    kinds = [str(kind) for kind in rng.choice(possible, count, replace=False)]
     material = {key: folded(rng, BELIEVED[key], sd) for key, sd in MATERIAL_SD.items()}
     mu_1, effects, forces = material["rheology.mu_1"], {}, []
     for kind in kinds:

@@ -63,6 +63,9 @@ WAYS = {
 }  # of a diagnosis, without controls and with them: ends of file names
 NAMES_OF_WAYS = {False: "alone", True: "controls"}
 TRAINING_SEED = 2026
+# share of worlds with slight physics, which alone teach the layer of diagnoses without controls; share of --per-class
+TRAINING_SUITES = {"training": (0.5, 1.0), "training_slight": (1.0, 0.6)}
+WITH_CONTROLS = ("training",)  # those that teach the layer of diagnoses with controls
 
 
 def add_options(parser):
@@ -92,8 +95,10 @@ def add_options(parser):
 def make_training_suite(arguments):
     """Truths of the training worlds."""
     resources = Resources(arguments.workers, quiet=False)
-    classes = training_classes(arguments.per_class, TRAINING_SEED)
-    make_training(classes, arguments.out / "training", TRAINING_SEED, resources)
+    for number, (name, (slight_share, part)) in enumerate(TRAINING_SUITES.items()):
+        seed = TRAINING_SEED + number
+        classes = training_classes(round(part * arguments.per_class), seed)
+        make_training(classes, arguments.out / name, seed, resources, slight_share)
 
 
 def options_of(arguments):
@@ -119,12 +124,11 @@ def compare(arguments, folder, suite, controls, only=None):
 
 def fit_verdict(arguments):
     """Evidence of the training worlds, the verdict layers, and their scores on worlds left out."""
-    places = [(arguments.out, "training")]
-    places += [(folder, "blind") for folder in arguments.used_up]
-    scores = {}
+    used_up, scores = [(folder, "blind") for folder in arguments.used_up], {}
     for controls, way in WAYS.items():
         suites = []
-        for folder, name in places:
+        names = WITH_CONTROLS if controls else TRAINING_SUITES
+        for folder, name in [*((arguments.out, name) for name in names), *used_up]:
             labels = folder / f"{name}.labels.json"
             only = teaching_cases(labels, controls)
             suites.append((compare(arguments, folder, name, controls, only), labels))

@@ -222,8 +222,8 @@ def test_a_file_that_was_changed_or_is_none_is_refused(model, tmp_path):
 
 
 def test_a_suite_that_is_too_small_is_refused():
-    with pytest.raises(InputError, match="arms: found 3 cases; allowed: >= 4"):
-        fit(suite(3, 1), EFFECTS)
+    with pytest.raises(InputError, match="arms: found 1 cases; allowed: >= 2"):
+        fit(suite(1, 1), EFFECTS)
 
 
 def test_without_a_model_evidences_are_tempered_and_capped():
