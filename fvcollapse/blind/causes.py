@@ -67,7 +67,7 @@ TRAINING = Style(
     designs=TRAINING_DESIGNS,
 )
 BLIND = Style(
-    cells=(17.0, 20.0),
+    cells=(14.5, 17.0),
     stretch=(1.0, 1.15),
     step=(0.6, 1.0),
     shear_rate_min=(1e-4, 5e-4),

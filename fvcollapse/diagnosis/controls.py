@@ -45,6 +45,7 @@ REPEATED = 0.98  # correlation of two runs of the same set-up: the packing is ne
 CORRELATIONS = (0.02, 0.98)  # range of rho
 CORRELATION_SPREAD = 1.5  # of its logit
 FIRST_STEP = 0.7  # of the search
+MOST_POINTS = 300  # from which factors and rho are learned; of more, which are close together, every second, third, …
 
 
 class Discrepancy(NamedTuple):
@@ -152,7 +153,8 @@ def learn_smooth(shown, covariance, kernel, apart):
     apart : (N, N) array
         Distance D of the runs of two points.
     """
-    given, smooth = shown.given, Smooth(shown, apart)
+    smooth, given = Smooth(shown, apart), np.flatnonzero(shown.given)
+    given = given[:: -(-len(given) // MOST_POINTS)]
     own = np.ix_(given, given)
     seen, known = shown.gap[given], covariance[own]
 

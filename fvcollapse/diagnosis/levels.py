@@ -1,5 +1,6 @@
 """Levels of the effects: the quantiles of their priors at which they are run, closure by closure."""
 
+from functools import lru_cache
 from math import inf
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError
 
 LEVELS_1D = (0.05, 0.35, 0.65, 0.95)
+KEPT = 16384  # cases
 LEVELS_RANGE = (0.06, 0.94)  # of the quantiles in more dimensions
 
 
@@ -130,13 +132,19 @@ def effect_runs(closures, experiments, cases):
     return wanted, refused
 
 
+@lru_cache(maxsize=KEPT)
+def with_effect(case, effect, keys):
+    """The case with an effect of these `keys` (pairs); kept, for many diagnoses have the same set-ups."""
+    return case.replace(**{f"effects.{effect}": dict(keys)})
+
+
 def level_cases(closures, experiment, case):
     """{label: (experiment, case)} of an effect at all levels of its closures, and at one on the finer grid."""
     found = {}
     for number, closure in enumerate(closures):
         key = closure.effect, number
         levels = [
-            case.replace(**{f"effects.{closure.effect}": closure.section(u)})
+            with_effect(case, closure.effect, tuple(closure.section(u).items()))
             for u in closure.levels()
         ]
         fine = refined(levels[reference_level(closure.levels())])

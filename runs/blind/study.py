@@ -72,6 +72,9 @@ def add_options(parser):
     """Options of this study."""
     parser.add_argument("--per-class", type=int, default=18, help="cases of an effect; default 18")
     parser.add_argument(
+        "--taught", type=int, default=240, help="training cases with controls; default 240"
+    )
+    parser.add_argument(
         "--used-up",
         metavar="FOLDER",
         type=Path,
@@ -130,7 +133,8 @@ def fit_verdict(arguments):
         names = WITH_CONTROLS if controls else TRAINING_SUITES
         for folder, name in [*((arguments.out, name) for name in names), *used_up]:
             labels = folder / f"{name}.labels.json"
-            only = teaching_cases(labels, controls)
+            only = sorted(teaching_cases(labels, controls))
+            only = only[: arguments.taught] if controls else only
             suites.append((compare(arguments, folder, name, controls, only), labels))
         pairs = teachers(suites, controls)
         about = {"seed": TRAINING_SEED, "per_class": arguments.per_class}
