@@ -365,7 +365,7 @@ def test_failed_runs_cost_a_draw_or_an_effect_not_the_diagnosis(experiments, cas
         draws=4,
     )
     assert set(found.responses) == {"gate"}
-    assert "3 of its 4 runs fail: it blew up" in found.left_out["cohesion"]
+    assert "6 of its 7 runs fail: it blew up" in found.left_out["cohesion"]
 
 
 def test_a_draw_that_is_no_legal_case_is_a_failed_draw(experiments, cases):
