@@ -3,7 +3,7 @@
 import shutil
 import sys
 
-from fvcollapse.console.bars import tqdm
+from fvcollapse.console.bars import is_shown, tqdm
 
 LAYOUT = "{desc} {percentage:3.0f}% |{bar}| [{elapsed}<{remaining}]"
 
@@ -25,7 +25,7 @@ class RoundsBar:
     def __init__(self, expected, quiet):
         self.expected, self.missing, self.asked = dict(expected), 0.0, 0.0
         self.runs, self.ended, self.cost, self.gone, self.round = 0, 0, 0.0, 0.0, ""
-        self.bar, self.off = None, quiet or not sys.stderr.isatty()
+        self.bar, self.off = None, not is_shown(quiet)
 
     def begin(self, name, missing, asked):
         """Begin a round.

@@ -25,6 +25,10 @@ UNDATED = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 class Picture(Figure):
     """A figure that notebooks show by themselves, whatever their backend."""
 
+    def savefig(self, *arguments: Any, **options: Any) -> None:
+        """As that of matplotlib, cut to what is drawn."""
+        super().savefig(*arguments, **{"bbox_inches": "tight"} | options)
+
     def _repr_png_(self) -> bytes:
         return png(self)
 
@@ -45,7 +49,7 @@ def png(figure: Figure) -> bytes:
 def image_of(figure: Figure, kind: str, dpi: int) -> bytes:
     """The figure as a file of a format (one of `look.FORMATS`)."""
     stream = io.BytesIO()
-    figure.savefig(stream, format=kind, dpi=dpi, bbox_inches="tight", metadata=UNDATED[kind])
+    figure.savefig(stream, format=kind, dpi=dpi, metadata=UNDATED[kind])
     return stream.getvalue()
 
 

@@ -9,11 +9,14 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from fvcollapse.case.case import Case
 from fvcollapse.case.grammar import parse_toml, read_text
+from fvcollapse.draw.html import html_table
 from fvcollapse.errors import CaseError, InputError
+from fvcollapse.files.labelled import tree
 from fvcollapse.measure.curves import CSV_FILES, SCALARS, read_curve, read_scalars
 from fvcollapse.measure.experiment_keys import (
     CASE_KEYS,
@@ -21,11 +24,18 @@ from fvcollapse.measure.experiment_keys import (
     rule_required,
     settings_from_table,
 )
+from fvcollapse.measure.labels import labelled_points, measured_rows
 from fvcollapse.measure.measured_files import measured_files
 from fvcollapse.measure.plausibility import refuse_impossible
 from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
 from fvcollapse.measure.unstated import assumed_of_grains
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.draw.drawing import Picture
+    from fvcollapse.measure.observables import Observations
 
 SETTINGS = "experiment.toml"
 MOST_NAMES = 8  # of experiments in a message
@@ -98,6 +108,34 @@ class Experiment:
         """{key: `Assumed`} of what is not stated and follows from what is; see `unstated.assumed_of_grains`."""
         return assumed_of_grains(self.settings.material, base)
 
+    def plot(self, observed: "Observations | None" = None) -> "Picture":
+        """The measured curves as a figure, which a notebook shows.
+
+        Parameters
+        ----------
+        observed : Observations, optional
+            What a run gives for this experiment, `observe(result, experiment)`: drawn beneath.
+        """
+        from fvcollapse.draw.curves import draw_observables  # loads matplotlib
+
+        return draw_observables(observed, self.curves)
+
+    def to_xarray(self) -> "xarray.DataTree":
+        """The measured points as labelled arrays with units and standard deviations, one group for each curve.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        groups = {name: labelled_points(name, curve) for name, curve in self.curves.items()}
+        about = {"title": self.settings.title, "source": self.settings.source}
+        return tree(groups, about | {f"{one.name} ({one.kind})": one.value for one in self.scalars})
+
+    def _repr_html_(self) -> str:
+        rows = measured_rows(self.curves, self.scalars)
+        return html_table(self.settings.title or self.name, rows)
+
     def case(self, base=None):
         """The case of this experiment.
 
@@ -132,7 +170,7 @@ class Experiment:
             raise CaseError(path, own or error.key, found, error.allowed) from None
 
 
-def load_experiment(folder):
+def load_experiment(folder: str | Path) -> Experiment:
     """The experiment in a folder (or whose `experiment.toml` is given).
 
     Parameters

@@ -5,12 +5,21 @@ layer: a run reports the pile, and an eroded place has a negative height. See `p
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fvcollapse.draw.html import html_table
+from fvcollapse.files.labelled import tree
+from fvcollapse.measure.labels import labelled_rows
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
 from fvcollapse.measure.pile import front_position
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.draw.drawing import Picture
 
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
@@ -93,6 +102,32 @@ class Observations:
     volume: np.ndarray
     interface: np.ndarray
     scalars: dict
+
+    def plot(self) -> "Picture":
+        """Front, volume, profiles and interface as a figure, which a notebook shows."""
+        from fvcollapse.draw.curves import draw_observables  # loads matplotlib
+
+        return draw_observables(self)
+
+    def to_xarray(self) -> "xarray.DataTree":
+        """The curves as labelled arrays with units, one group each; the numbers as attributes.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        groups = {name: labelled_rows(name, getattr(self, name)) for name in CURVES}
+        return tree(
+            groups, {name: value for name, value in self.scalars.items() if value is not None}
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name.replace("_", " "), "-" if value is None else f"{value:.4g} {SCALAR_UNITS[name]}")
+            for name, value in self.scalars.items()
+        ]
+        return html_table("observed", rows)
 
     def rows(self):
         """The same as rows (name, time, position, value, units); None where meaningless."""

@@ -158,7 +158,7 @@ class Module:
             names = defined_names(node)
             for defined in names:
                 self._define(defined, node)
-            if not names and not is_import(node) and not is_docstring(node):
+            if not names and not (is_import(node) or is_docstring(node) or is_typing(node)):
                 others.append(node)
         if others:
             self.definitions[""] = statements = ast.Module(others, [])
@@ -209,6 +209,11 @@ def bound_names(node):
 def is_import(node):
     """Whether a statement is an import."""
     return isinstance(node, ast.Import | ast.ImportFrom)
+
+
+def is_typing(node):
+    """Whether a statement is for type checkers only: `if TYPE_CHECKING:`."""
+    return isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
 
 
 def is_docstring(node):

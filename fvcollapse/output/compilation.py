@@ -2,6 +2,8 @@
 
 import sys
 
+from fvcollapse.console.bars import is_shown
+
 NOTICE = "compiling the kernels: once on this machine, about a minute"
 TOLD = []  # whether this process has said so
 
@@ -15,8 +17,8 @@ def is_compiled():
 
 
 def tell_compilation(quiet):
-    """Say on a terminal, once, that the kernels will be compiled; nothing if they are, or if `quiet`."""
-    if quiet or TOLD or not sys.stderr.isatty() or is_compiled():
+    """Say once, where bars are shown, that the kernels will be compiled; nothing if they are, or if `quiet`."""
+    if TOLD or not is_shown(quiet) or is_compiled():
         return
     TOLD.append(True)
     print(NOTICE, file=sys.stderr, flush=True)

@@ -5,6 +5,7 @@ that a run reaches from `ROOTS`, its edges the references between them. It does 
 in which a definition stands, and it leaves out what cannot change a number:
 
 - comments, docstrings, annotations, layout and imports of the package itself;
+- the methods `VIEWS` of a class, which show what it holds;
 - the text of an error that is raised;
 - the fields of the sections of a case. Their values are part of the resolved case, which stands beside
   the digest in every key of the cache; their units, bounds, defaults and descriptions only decide which
@@ -46,6 +47,7 @@ EFFECT_TABLES = ("CATALOGUE",)
 OUTSIDE = ("errors", "files.hdf5")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
+VIEWS = ("plot", "to_xarray", "_repr_html_")
 EFFECT = "Effect"
 NO_NUMBERS = ("priors", "absorbed_in", "refuse", "needs_walls", "zero")  # arguments of it
 SECTION, DEFINE_SECTION = "Section", "defstruct"
@@ -162,7 +164,12 @@ class Counted(ast.NodeTransformer):
         ] or [ast.Pass()]
         return self.generic_visit(node)
 
-    visit_Module = visit_ClassDef = visit_body
+    visit_Module = visit_body
+
+    def visit_ClassDef(self, node):  # noqa: N802
+        """A class: without the methods that show it."""
+        node.body = [part for part in node.body if getattr(part, "name", "") not in VIEWS]
+        return self.visit_body(node)
 
     def visit_FunctionDef(self, node):  # noqa: N802
         """A function: without the annotation of its result."""

@@ -4,19 +4,26 @@ import io
 import json
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.draw.html import html_table
 from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.output.field_layout import read_field
+from fvcollapse.output.labels import tree_of
 from fvcollapse.output.record_layout import check_header, read_record
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.draw.drawing import Picture
 
 FORMAT = "fvcollapse-result"
 
@@ -129,6 +136,44 @@ class Result:
             "residual_max": float(steps["residual"].max(initial=0.0)),
             "wall_time": float(steps["wall_time"].sum()),
         }
+
+    def plot(self, what: str = "speed", **look: Any) -> "Picture":
+        """A figure, which a notebook shows.
+
+        Parameters
+        ----------
+        what : str
+            "profiles", "interface", "front", "volume", "speed", or a field at the cell centres.
+        **look
+            Options of `fvcollapse.draw.look.Look`: `upright=True`, `times=(0.1, 0.5)`.
+
+        Raises
+        ------
+        InputError
+            There is no such field.
+        """
+        from fvcollapse.draw.figures import draw  # loads matplotlib
+        from fvcollapse.draw.look import Look
+
+        return draw(self, what, Look(**look))
+
+    def to_xarray(self, fields: bool = True) -> "xarray.DataTree":
+        """All arrays with names, units and coordinates, in the groups series, steps, profiles and fields.
+
+        Parameters
+        ----------
+        fields : bool
+            The fields as well: all in memory, on the largest of their grids, NaN beyond an earlier one.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        return tree_of(self, fields)
+
+    def _repr_html_(self) -> str:
+        return html_table("run", summary_rows(self.summary(), self.case))
 
     def summary_table(self):
         """The summary as aligned plain text."""

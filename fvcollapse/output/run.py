@@ -11,7 +11,7 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from fvcollapse.case.case import case_from_text
+from fvcollapse.case.case import Case, case_from_text
 from fvcollapse.console.bars import progress_bar
 from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import (
@@ -49,18 +49,35 @@ UNCACHED = (
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
 
 
-def run(case, folder=None):
+def run(case: Case, folder: str | Path | None = None, quiet: bool = True) -> Result:
     """Run a case: into a folder, as the command line does, or in memory if no folder is given.
 
     A folder that holds a run of the same case is continued.
 
+    Parameters
+    ----------
+    case : Case
+    folder : str or Path, optional
+    quiet : bool
+        No progress bar. With False there is one in a notebook and on a terminal.
+
     Returns
     -------
     Result
+
+    Raises
+    ------
+    InputError
+        The folder holds a run of another case.
+    OutputError
+        It cannot be written.
+    NumericalError
+        The run failed; in a folder what was computed is kept.
     """
     if folder is not None:
-        return run_case(case, folder, holds_run(case, Path(folder)), quiet=True)
-    with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
+        return run_case(case, folder, holds_run(case, Path(folder)), quiet=quiet)
+    tell_compilation(quiet)
+    with failures_named(), progress_bar(case, 0.0, quiet) as bar:
         job = Job(case)
         job.march(bar)
     return Result(io.BytesIO(job.result_image(COMPLETE)))

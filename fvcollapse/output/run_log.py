@@ -1,4 +1,7 @@
-"""The log of a run: run.log in its folder, which one run at a time may hold."""
+"""The log of a run: run.log in its folder, which one run at a time may hold.
+
+What is logged also goes to the logger "fvcollapse" of the process, if somebody listens there.
+"""
 
 import logging
 import platform
@@ -42,7 +45,8 @@ def run_log(folder):
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    log = logging.Logger("fvcollapse", logging.INFO)  # not registered: one per run
+    log = logging.Logger("fvcollapse.run", logging.INFO)  # one per run, below the registered one
+    log.parent = logging.getLogger("fvcollapse")
     log.addHandler(handler)
     try:
         with only_writer(folder, handler.stream, log):
