@@ -1,6 +1,9 @@
 """What a run leaves in its folder while it goes on, when it is stopped, and at its end."""
 
+import io
 import time
+
+import h5py
 
 from fvcollapse.console.interruption import Interrupted
 from fvcollapse.errors import OutputError, as_output_error
@@ -96,6 +99,8 @@ class Keeper:
 
     def save_result(self, status):
         """Result and XDMF file."""
-        job = self.job
-        write_atomic(self.folder / RESULT, job.result_image(status), self.running)
-        write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
+        image = self.job.result_image(status)
+        with h5py.File(io.BytesIO(image), "r") as file:
+            text = xdmf_text(file, RESULT)
+        write_atomic(self.folder / RESULT, image, self.running)
+        write_atomic(self.folder / XDMF, text, self.running)

@@ -23,6 +23,7 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
 from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.keeper import Keeper
+from fvcollapse.output.meshes import write_meshes
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.rest import reached_end, stops
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
@@ -241,5 +242,6 @@ class Job:
             write_header(file, FORMAT, self.case)
             write_status(file, status, trust_of_record(self.recorder, status, self.case))
             self.recorder.write(file)
+            write_meshes(file)
 
         return build_image(fill)

@@ -13,7 +13,7 @@ from fvcollapse.output.checkpoint import read_checkpoint
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.result import open_result
 from fvcollapse.output.run_log import tell
-from fvcollapse.output.xdmf import xdmf_text
+from fvcollapse.output.xdmf import has_meshes, xdmf_text
 
 RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
 # what may change when a run is continued: where it ends, and its outputs
@@ -123,11 +123,15 @@ def tidy(folder):
 def renew_xdmf(folder):
     """Write the XDMF file that belongs to the result, unless it is there: a kill may have come before it.
 
+    A result of an earlier version, without meshes, keeps the one that it has.
+
     Raises
     ------
     OutputError
     """
     with reading(folder / RESULT, result.FORMAT) as file:
+        if not has_meshes(file):
+            return
         text = xdmf_text(file, RESULT)
     path = folder / XDMF
     if not path.is_file() or path.read_bytes() != text:
