@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.diagnose import diagnose as diagnose
     from fvcollapse.measure.experiment import load_experiment as load_experiment
     from fvcollapse.measure.observables import observe as observe
+    from fvcollapse.output.deposit import from_deposit as from_deposit
     from fvcollapse.output.result import open_result as open_result
     from fvcollapse.output.run import run as run
     from fvcollapse.studies.converge import converge as converge
@@ -22,6 +23,7 @@ PUBLIC = {
     "load_case": "case.case",
     "run": "output.run",
     "open_result": "output.result",
+    "from_deposit": "output.deposit",
     "observe": "measure.observables",
     "load_experiment": "measure.experiment",
     "diagnose": "diagnosis.diagnose",

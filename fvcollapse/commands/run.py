@@ -13,6 +13,13 @@ def add_parser(commands):
         "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
     )
     parser.add_argument(
+        "--from",
+        dest="deposit",
+        metavar="RUN",
+        type=Path,
+        help="start from the deposit of another run (result.h5, or its folder), without a gate",
+    )
+    parser.add_argument(
         "--resume",
         action="store_true",
         help="continue also to another end, or with other outputs",
@@ -28,6 +35,11 @@ def execute(arguments):
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
+    if arguments.deposit is not None:
+        from fvcollapse.output.deposit import from_deposit
+        from fvcollapse.output.result import open_result
+
+        case = from_deposit(open_result(arguments.deposit), case)
     if arguments.dry_run:
         from fvcollapse.studies.estimate import plan_of
 

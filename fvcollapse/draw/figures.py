@@ -106,7 +106,7 @@ def explain_retreat(axes: Axes, result: Any) -> None:
     words = f"from here on the tip is thinner than {limit:g} mm:\nthe grains do not run back"
     arrow = {"arrowstyle": "->", "color": BLUE}
     style = {"ha": "center", "va": "top", "fontsize": "small", "color": BLUE, "arrowprops": arrow}
-    axes.annotate(words, place, (0.55, 0.45), textcoords="axes fraction", **style)
+    axes.annotate(words, place, (0.55, 0.32), textcoords="axes fraction", **style)
 
 
 def retreat(result: Any) -> float:

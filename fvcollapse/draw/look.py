@@ -14,8 +14,8 @@ from matplotlib.transforms import Affine2D, Transform
 FORMATS = ("png", "pdf", "svg")
 ANIMATIONS = ("gif", "mp4", "none")
 DPI = 130
-ARROW = (0.07, 0.3)  # length of the arrow of gravity, at most, in the width and height of a panel
-CORNER = (0.955, 0.72)  # where it begins, in the width and height of a panel
+ARROW = (0.07, 0.5)  # length of the arrow of gravity, at most, in the width and height of a panel
+CORNER = (0.82, 0.85)  # where it begins, in the width and height of a panel
 
 
 class Look(NamedTuple):
