@@ -8,8 +8,13 @@ complains when the process of the bar is killed.
 import shutil
 import sys
 import threading
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 tqdm.set_lock(threading.RLock())
 
@@ -25,7 +30,7 @@ def in_notebook() -> bool:
     return hasattr(shell, "kernel")
 
 
-def progress_bar(case, start, quiet):
+def progress_bar(case: "Case", start: float, quiet: bool) -> tqdm:
     """Bar over the simulated time with step, dt and ETA, on stderr."""
     layout = "{percentage:3.0f}% |{bar}| t = {n:.3f}/{total:.3f} s [{elapsed}<{remaining}{postfix}]"
     terminal = shutil.get_terminal_size()  # never zero, which tqdm would take for no room at all
@@ -41,7 +46,7 @@ def progress_bar(case, start, quiet):
     )
 
 
-def runs_bar(total, quiet):
+def runs_bar(total: int, quiet: bool) -> tqdm:
     """Bar over the runs, with ETA, on stderr."""
     terminal = shutil.get_terminal_size()
     return tqdm(

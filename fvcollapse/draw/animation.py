@@ -105,8 +105,9 @@ def frames(result: Any, chosen: list[int], look: Look) -> Iterator[np.ndarray]:
         artists = draw_moment(axes, scene, j)
         time = result.profiles.time[j]
         title(axes, result, f"t = {time:.2f} s (slowed down {slow:.2g} times)")
-        figure.canvas.draw()
-        pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+        canvas: Any = figure.canvas
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())[..., :3].copy()
         for artist in artists:
             artist.remove()
         yield pixels
@@ -140,7 +141,7 @@ def draw_moment(axes: Axes, scene: Scene, j: int) -> list:
     axes.add_patch(outline)
     speed, dx, dz = speed_at(scene, float(time[j]))
     edges = [size * np.arange(count + 1) for size, count in zip((dx, dz), speed.shape, strict=True)]
-    colours = {"cmap": scale_of("speed").colours, "norm": norm("speed", scene.top)}
+    colours: dict[str, Any] = {"cmap": scale_of("speed").colours, "norm": norm("speed", scene.top)}
     low, high = axes.get_xlim(), axes.get_ylim()
     mesh = axes.pcolormesh(*edges, speed.T, transform=place, **colours)
     mesh.set_clip_path(outline)

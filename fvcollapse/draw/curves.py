@@ -42,8 +42,8 @@ def draw_line(axes: Axes, simulated: Any, measured: dict, name: str, factor: flo
         axes.plot(rows[:, 0], factor * rows[:, 1], color=BLUE, label="simulated")
     if name in measured:
         curve = measured[name]
-        points = curve.time, factor * curve.value, factor * curve.sigma
-        axes.errorbar(*points, fmt="k.", lw=0.7, label="measured")
+        value, sigma = factor * curve.value, factor * curve.sigma
+        axes.errorbar(curve.time, value, sigma, fmt="k.", lw=0.7, label="measured")
     finish(axes)
 
 
@@ -68,9 +68,9 @@ def draw_heights(axes: Axes, simulated: Any, measured: dict, name: str) -> None:
             axes.plot(*seen.T, color=colour, label=f"t = {moment:.3g} s")
         if curve is not None:
             here = curve.time == moment
-            values = [CENTIMETRES * part[here] for part in (curve.x, curve.value, curve.sigma)]
+            place, value, sigma = (CENTIMETRES * part[here] for part in curve[1:])
             label = f"t = {moment:.3g} s" if len(axes.lines) == before else None
-            axes.errorbar(*values, fmt=".", color=colour, lw=0.7, label=label)
+            axes.errorbar(place, value, sigma, fmt=".", color=colour, lw=0.7, label=label)
     axes.set(xlabel="X (cm)")
     finish(axes)
 
@@ -80,5 +80,10 @@ def finish(axes: Axes) -> None:
     if axes.has_data():
         axes.legend(frameon=False, fontsize="small")
     else:
-        style = {"transform": axes.transAxes, "ha": "center", "va": "center", "color": "grey"}
+        style: dict[str, Any] = {
+            "transform": axes.transAxes,
+            "ha": "center",
+            "va": "center",
+            "color": "grey",
+        }
         axes.text(0.5, 0.5, "not measured", **style)

@@ -36,7 +36,8 @@ class Picture(Figure):
 def new_figure(width: float, height: float) -> Picture:
     """An empty figure of which pyplot knows nothing; sizes in inches."""
     figure = Picture(figsize=(width, height), layout="constrained", dpi=DPI)
-    figure.get_layout_engine().set(h_pad=0.03, hspace=0.02)
+    layout: Any = figure.get_layout_engine()
+    layout.set(h_pad=0.03, hspace=0.02)
     FigureCanvasAgg(figure)
     return figure
 

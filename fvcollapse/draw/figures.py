@@ -63,7 +63,7 @@ def draw_interface(result: Any, look: Look = USUAL) -> Picture:
     chosen, view = chosen_times(result, times, FIELD_PROGRESS, look.times), view_of(result, look)
     figure, panels = panel_column(result, view, len(chosen))
     for axes, j in zip(panels, chosen, strict=True):
-        place = {"transform": view.bed(axes), "lw": 0}
+        place: dict[str, Any] = {"transform": view.bed(axes), "lw": 0}
         axes.fill_between(x, 0.0, static[j], color=STATIC, label="static", **place)
         moving = {"color": FLOWING, "label": "flowing (> 0.01 m/s)"}
         axes.fill_between(x, static[j], h[j], **moving, **place)
@@ -71,8 +71,8 @@ def draw_interface(result: Any, look: Look = USUAL) -> Picture:
         axes.plot(x[seen], h[j][seen], color="black", lw=1.0, transform=view.bed(axes))
         draw_gate(axes, result.case, times[j], view, layer_thickness(result.case))
         stamp(axes, times[j])
-    place = "lower left" if look.upright else "lower right"
-    panels[0].legend(loc=place, ncols=2, frameon=False, fontsize="small")
+    corner = "lower left" if look.upright else "lower right"
+    panels[0].legend(loc=corner, ncols=2, frameon=False, fontsize="small")
     title(panels[0], result, "static–flowing interface, equal scales")
     return figure
 
@@ -105,7 +105,13 @@ def explain_retreat(axes: Axes, result: Any) -> None:
     place = (result.time[farthest], result.front_position[farthest])
     words = f"from here on the tip is thinner than {limit:g} mm:\nthe grains do not run back"
     arrow = {"arrowstyle": "->", "color": BLUE}
-    style = {"ha": "center", "va": "top", "fontsize": "small", "color": BLUE, "arrowprops": arrow}
+    style: dict[str, Any] = {
+        "ha": "center",
+        "va": "top",
+        "fontsize": "small",
+        "color": BLUE,
+        "arrowprops": arrow,
+    }
     axes.annotate(words, place, (0.55, 0.32), textcoords="axes fraction", **style)
 
 

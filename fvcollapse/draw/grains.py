@@ -61,14 +61,18 @@ def draw_grains(axes: Axes, field: dict, name: str, top: float, view: View) -> l
     if not (phi < 0.0).any():
         return []
     low, high = axes.get_xlim(), axes.get_ylim()  # contours would change them
-    colours = {"cmap": scale_of(name).colours, "norm": norm(name, top), "rasterized": True}
+    colours: dict[str, Any] = {
+        "cmap": scale_of(name).colours,
+        "norm": norm(name, top),
+        "rasterized": True,
+    }
     mesh = axes.pcolormesh(x, z, quantity(field, name).T, transform=place, **colours)
     levels = [min(phi.min(), -1.0), 0.0]
     inside = axes.contourf(x, z, phi, levels, alpha=0.0, transform=place)
     mesh.set_clip_path(inside.get_paths()[0], place)
     artists = [mesh, inside]
     if (phi > 0.0).any():
-        line = {"colors": "black", "linewidths": 0.8, "transform": place}
+        line: dict[str, Any] = {"colors": "black", "linewidths": 0.8, "transform": place}
         artists.append(axes.contour(x, z, phi, [0.0], **line))
     axes.set(xlim=low, ylim=high)
     return artists

@@ -5,7 +5,7 @@ import sys
 from fvcollapse.console.bars import is_shown
 
 NOTICE = "compiling the kernels: once on this machine, about a minute"
-TOLD = []  # whether this process has said so
+TOLD: list[bool] = []  # whether this process has said so
 
 
 def is_compiled():

@@ -13,7 +13,7 @@ from fvcollapse.files.locks import exclusive, fcntl, try_lock
 from fvcollapse.version import __version__
 
 LOG, LOCK = "run.log", ".run.lock"  # the second is used where a log cannot be locked
-SAID = set()  # warnings of this process that are given once
+SAID: set[str] = set()  # warnings of this process that are given once
 
 
 class LogFile(logging.FileHandler):

@@ -38,8 +38,8 @@ def add_grid(parent: xml.Element, time: float, mesh: h5py.Group, h5_name: str) -
     grid = xml.SubElement(parent, "Grid", Name="grains", GridType="Uniform")
     xml.SubElement(grid, "Time", Value=repr(time))
     count = str(len(mesh[CELLS]))
-    kind = {"TopologyType": "Quadrilateral", "NumberOfElements": count}
-    add_data(xml.SubElement(grid, "Topology", kind), mesh[CELLS], h5_name)
+    topology = {"TopologyType": "Quadrilateral", "NumberOfElements": count}
+    add_data(xml.SubElement(grid, "Topology", topology), mesh[CELLS], h5_name)
     add_data(xml.SubElement(grid, "Geometry", GeometryType="XYZ"), mesh[POINTS], h5_name)
     for name, dataset in mesh.items():
         if name in (CELLS, POINTS):

@@ -121,7 +121,7 @@ def convergence(sizes, values, formal_order):
     if found.shift is not None:
         extrapolated = fine + found.shift
         extrapolated_error = relative(found.shift, extrapolated)
-    gci = None if found.index is None else relative(found.index, fine)
+    gci = None if found.bound is None else relative(found.bound, fine)
     return Convergence(found.behaviour, found.order, extrapolated, error, extrapolated_error, gci)
 
 
@@ -135,16 +135,16 @@ def convergence_of_profiles(sizes, profiles, formal_order):
     width = max(eps_21, eps_32, profile_distance(*coarse, *fine))
     found = judged(sizes, eps_32, eps_21, width, ROUND_OFF, formal_order)
     error = None if found.shift is None else abs(found.shift)
-    return Convergence(found.behaviour, found.order, None, eps_21, error, found.index)
+    return Convergence(found.behaviour, found.order, None, eps_21, error, found.bound)
 
 
 class Judgement(NamedTuple):
-    """Behaviour and order; Richardson's correction of the finest value, and the index, both absolute."""
+    """Behaviour and order; Richardson's correction of the finest value, and the bound of the index, both absolute."""
 
     behaviour: str
     order: float | None
     shift: float | None
-    index: float | None
+    bound: float | None
 
 
 def judged(sizes, eps_32, eps_21, width, none, formal_order):
