@@ -57,7 +57,7 @@ class Units(NamedTuple):
     time: str = "s"
     ratio: str = "1"
 
-    def factors(self):
+    def factors(self) -> tuple[float, float, float]:
         """Factors that take length, time and ratio to SI units."""
         return LENGTHS[self.length], TIMES[self.time], RATIOS[self.ratio]
 

@@ -62,7 +62,7 @@ class Table(NamedTuple):
     rows: list
     stopped: tuple | None
 
-    def columns(self):
+    def columns(self) -> list[int]:
         """Indices of the columns that hold a number anywhere."""
         width = max((len(cells) for _, _, cells in self.rows), default=0)
         return [

@@ -9,7 +9,7 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from fvcollapse.case.case import Case
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
     from fvcollapse.draw.drawing import Picture
+    from fvcollapse.measure.curves import Curve, Scalar
     from fvcollapse.measure.observables import Observations
 
 SETTINGS = "experiment.toml"
@@ -65,32 +66,32 @@ class Experiment:
     scalars: tuple
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Name of the folder."""
         return self.folder.resolve().name
 
     @property
-    def front_thickness(self):
+    def front_thickness(self) -> float | None:
         """Thickness that defines the front [m]; None: as the case says."""
         return self.settings.front.thickness
 
     @property
-    def time_origin(self):
+    def time_origin(self) -> float:
         """Simulated time at which the clock of the measurements shows 0 [s]."""
         return self.settings.time.origin
 
     @property
-    def time_end(self):
+    def time_end(self) -> float:
         """Simulated time of the last measured point [s]; 0 without curves."""
         last = [curve.time[-1] for curve in self.curves.values()]
         return max([0.0, *(float(time) + self.time_origin for time in last)])
 
-    def stated(self, path):
+    def stated(self, path: str) -> Any:
         """Value of a dotted key of `experiment.toml`; None if it is absent."""
         section, _, name = path.partition(".")
         return getattr(getattr(self.settings, section), name)
 
-    def standard_deviation(self, name, value=1.0):
+    def standard_deviation(self, name: str, value: float = 1.0) -> float:
         """Standard deviation of a quantity: as stated, else that of `assumed`, else `uncertainty.DEFAULTS`.
 
         `value` is the quantity itself, of which a relative default is a part.
@@ -136,7 +137,7 @@ class Experiment:
         rows = measured_rows(self.curves, self.scalars)
         return html_table(self.settings.title or self.name, rows)
 
-    def case(self, base=None):
+    def case(self, base: Case | None = None) -> Case:
         """The case of this experiment.
 
         Geometry, gate, bed and what was measured of the material come from the experiment (absent:
@@ -198,7 +199,7 @@ def load_experiment(folder: str | Path) -> Experiment:
     return experiment
 
 
-def refuse_parent(folder):
+def refuse_parent(folder: Path) -> None:
     """Refuse a folder of experiments, which holds none itself, with the names of those inside.
 
     Raises
@@ -214,7 +215,7 @@ def refuse_parent(folder):
         raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
 
 
-def refuse_bad_name(folder):
+def refuse_bad_name(folder: Path) -> None:
     """Refuse a folder whose name no report can show: it becomes part of file names, figures and pages.
 
     Raises
@@ -231,7 +232,7 @@ def refuse_bad_name(folder):
         raise InputError(folder, "folder", f"a name of {length} characters", allowed)
 
 
-def read_settings(path):
+def read_settings(path: Path) -> Settings:
     """The `Settings` in a file."""
     settings = read_draft(path)
     for refusal in rule_required(settings):
@@ -239,19 +240,19 @@ def read_settings(path):
     return settings
 
 
-def is_complete(path):
+def is_complete(path: Path) -> bool:
     """Whether the settings in a file state what every experiment has to state."""
     return not list(rule_required(read_draft(path)))
 
 
-def read_draft(path):
+def read_draft(path: Path) -> Settings:
     """The `Settings` in a file that may still lack required keys."""
     table = parse_toml(strip_truth(read_text(path, "TOML")), path)
     table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
     return settings_from_table(table, path)
 
 
-def strip_truth(text):
+def strip_truth(text: str) -> str:
     """The text without its `[truth]` sections, whatever stands in them."""
     kept, hidden = [], False
     for line in text.splitlines(keepends=True):
@@ -262,7 +263,9 @@ def strip_truth(text):
     return "".join(kept)
 
 
-def read_measurements(folder, uncertainty):
+def read_measurements(
+    folder: Path, uncertainty: Any
+) -> "tuple[dict[str, Curve], tuple[Scalar, ...]]":
     """(curves, scalars) of a folder."""
     files = measured_files(folder)
     curves = {
@@ -270,7 +273,7 @@ def read_measurements(folder, uncertainty):
         for name, quantity in CURVES.items()
         if name in files
     }
-    scalars = ()
+    scalars: tuple[Scalar, ...] = ()
     if SCALARS in files:
         scalars = read_scalars(
             files[SCALARS],
@@ -278,12 +281,12 @@ def read_measurements(folder, uncertainty):
             lambda name: standard_deviation(uncertainty, QUANTITIES[name].uncertainty),
         )
     if not curves and not scalars:
-        files = ", ".join(f"{name}.csv" for name in CSV_FILES)
-        raise InputError(folder, "folder", "no measurement", f"one or more of {files}")
+        known = ", ".join(f"{name}.csv" for name in CSV_FILES)
+        raise InputError(folder, "folder", "no measurement", f"one or more of {known}")
     return curves, scalars
 
 
-def case_changes(experiment, base=None):
+def case_changes(experiment: Experiment, base: Case | None = None) -> dict[str, Any]:
     """Changes to a case, of which `base` is believed, that make it the set-up of an experiment."""
     assumed = experiment.assumed(base).items()
     changes = {CASE_KEYS[own][0]: one.value for own, one in assumed}
@@ -292,13 +295,13 @@ def case_changes(experiment, base=None):
         if value is not None or absent is not None:
             changes[name] = absent if value is None else value
     material = experiment.settings.material
-    known = (material.solid_fraction, material.density_grain)
-    if material.density_bulk is None and None not in known:
-        changes["rheology.density_bulk"] = material.solid_fraction * material.density_grain
+    fraction, grain = material.solid_fraction, material.density_grain
+    if material.density_bulk is None and fraction is not None and grain is not None:
+        changes["rheology.density_bulk"] = fraction * grain
     return changes
 
 
-def suitable_cell_size(geometry):
+def suitable_cell_size(geometry: Any) -> float:
     """Default cell size [m], or the nearest that a column of this size may have."""
     finest = geometry.height_0 / 100
     coarsest = min(geometry.height_0, geometry.length_0) / 4

@@ -25,8 +25,10 @@ definitions are the same, apart from what is left out.
 
 import ast
 import hashlib
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
@@ -53,7 +55,7 @@ NO_NUMBERS = ("priors", "absorbed_in", "refuse", "needs_walls", "zero")  # argum
 SECTION, DEFINE_SECTION = "Section", "defstruct"
 
 
-def solver_version(effects=None):
+def solver_version(effects: Sequence[str] | None = None) -> str:
     """The version and a digest, such as "0.1.0+1f0c…".
 
     Parameters
@@ -66,7 +68,7 @@ def solver_version(effects=None):
 
 
 @cache
-def solver_digest(package, effects):
+def solver_digest(package: Path, effects: tuple[str, ...]) -> str:
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
     code = solver_code(package)
     lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
@@ -74,12 +76,12 @@ def solver_digest(package, effects):
 
 
 @cache
-def solver_code(package):
+def solver_code(package: Path) -> CodeGraph:
     """The `CodeGraph` of a package; each file is parsed once."""
     return CodeGraph(package, Counted, frozenset(OUTSIDE), frozenset(EFFECT_TABLES))
 
 
-def roots_of(code, effect):
+def roots_of(code: CodeGraph, effect: str) -> list[tuple[str, str]]:
     """Places of the code that acts only while an effect is on: its `EFFECT`, and the stages of its term."""
     module = f"effects.{effect}"
     definition = code.node(module, "EFFECT")
@@ -89,13 +91,14 @@ def roots_of(code, effect):
     return [(module, "EFFECT"), *(place for place in stages if code.node(*place) is not None)]
 
 
-def term_of(definition):
+def term_of(definition: ast.AST) -> str:
     """Module of the step that the definition of an `EFFECT` names; "" without one."""
     keywords = (part for part in ast.walk(definition) if isinstance(part, ast.keyword))
-    return next((part.value.value for part in keywords if part.arg == "term"), "")
+    terms = (part.value for part in keywords if part.arg == "term")
+    return next((str(term.value) for term in terms if isinstance(term, ast.Constant)), "")
 
 
-def is_section(node):
+def is_section(node: ast.AST) -> bool:
     """Whether a statement defines a section of a case."""
     if isinstance(node, ast.Assign):
         return called_name(node.value) == DEFINE_SECTION
@@ -114,10 +117,12 @@ class Counted(ast.NodeTransformer):
         The places that were named; the names that are none of the package.
     """
 
-    def __init__(self, target):
-        self.target, self.places, self.names = target, set(), set()
+    def __init__(self, target: Callable[[ast.AST], tuple[str, str] | None]) -> None:
+        self.target = target
+        self.places: set[tuple[str, str]] = set()
+        self.names: set[str] = set()
 
-    def reduced(self, node):
+    def reduced(self, node: Any) -> str:
         """The text of a definition, "" of a section without methods; `places` is what it refers to."""
         section = is_section(node)
         if section:
@@ -130,7 +135,7 @@ class Counted(ast.NodeTransformer):
                 return ""
         return ast.unparse(ast.fix_missing_locations(self.visit(node)))
 
-    def note_fields(self, section):
+    def note_fields(self, section: ast.AST) -> None:
         """Note the sections inside a section: their methods count."""
         waiting = [section]
         while waiting:
@@ -141,7 +146,7 @@ class Counted(ast.NodeTransformer):
                 self.visit_reference(node)
             waiting += ast.iter_child_nodes(node)
 
-    def visit_reference(self, node):
+    def visit_reference(self, node: Any) -> ast.AST:
         """A `Name` or `module.name` of the package: the name of the definition; else the node."""
         place = self.target(node)
         if place is None:
@@ -152,12 +157,12 @@ class Counted(ast.NodeTransformer):
 
     visit_Name = visit_reference
 
-    def visit_Attribute(self, node):  # noqa: N802
+    def visit_Attribute(self, node: Any) -> ast.AST:  # noqa: N802
         """An attribute, also of a module of the package."""
         found = self.visit_reference(node)
         return found if found is not node else self.generic_visit(node)
 
-    def visit_body(self, node):
+    def visit_body(self, node: Any) -> ast.AST:
         """A function, class or module: without docstrings and imports."""
         node.body = [
             part for part in node.body if not is_docstring(part) and not is_import(part)
@@ -166,28 +171,28 @@ class Counted(ast.NodeTransformer):
 
     visit_Module = visit_body
 
-    def visit_ClassDef(self, node):  # noqa: N802
+    def visit_ClassDef(self, node: Any) -> ast.AST:  # noqa: N802
         """A class: without the methods that show it."""
         node.body = [part for part in node.body if getattr(part, "name", "") not in VIEWS]
         return self.visit_body(node)
 
-    def visit_FunctionDef(self, node):  # noqa: N802
+    def visit_FunctionDef(self, node: Any) -> ast.AST:  # noqa: N802
         """A function: without the annotation of its result."""
         node.returns = None
         return self.visit_body(node)
 
-    def visit_arg(self, node):
+    def visit_arg(self, node: Any) -> ast.AST:
         """An argument: its name."""
         node.annotation = None
         return node
 
-    def visit_Raise(self, node):  # noqa: N802
+    def visit_Raise(self, node: Any) -> ast.AST:  # noqa: N802
         """An error that is raised: its class."""
         if isinstance(node.exc, ast.Call):
             node.exc = node.exc.func
         return self.generic_visit(node)
 
-    def visit_Call(self, node):  # noqa: N802
+    def visit_Call(self, node: Any) -> ast.AST:  # noqa: N802
         """A call; None for a call that only describes a value."""
         name = called_name(node)
         if name in PROSE:
@@ -197,6 +202,6 @@ class Counted(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-def is_method(node):
+def is_method(node: ast.AST) -> bool:
     """Whether a statement of a section is a method that gives numbers."""
     return isinstance(node, ast.FunctionDef) and node.name not in CASE_FILE

@@ -5,6 +5,8 @@ Keys that a form does not name are allowed: a later version may write more.
 
 import copy
 import re
+from collections.abc import Iterator
+from typing import Any
 
 import msgspec
 
@@ -16,7 +18,7 @@ WORDS |= {"str": "text", "bool": "true or false"}
 STEP = re.compile(r"\.(\w+)|\[(\d+)\]|(\[\.\.\.\])")
 
 
-def form_problems(tree, form):
+def form_problems(tree: Any, form: Any) -> Iterator[tuple[str, str, str]]:
     """(key, what was found, what is allowed) of the first value that does not fit; nothing if all do.
 
     Parameters
@@ -32,7 +34,8 @@ def form_problems(tree, form):
     message = misfit(tree, form)
     if message is None:
         return
-    steps, tree = [], copy.deepcopy(tree)
+    steps: list = []
+    tree = copy.deepcopy(tree)
     while True:
         path = steps_of(message)
         blind = next((n for n in range(len(steps), len(path)) if path[n] is None), len(path))
@@ -46,7 +49,7 @@ def form_problems(tree, form):
     yield ".".join(map(str, steps)), show(value), allowed_by(message)
 
 
-def misfit(tree, form):
+def misfit(tree: Any, form: Any) -> str | None:
     """What msgspec says of a tree that does not fit, else None."""
     try:
         msgspec.convert(tree, form)
@@ -55,14 +58,14 @@ def misfit(tree, form):
     return None
 
 
-def steps_of(message):
+def steps_of(message: str) -> list:
     """Keys and indices on the way to the value that a message is about; None for an unknown key."""
     place = PLACE.search(message)
     found = STEP.findall(place.group(1)) if place else []
     return [name or (int(index) if index else None) for name, index, _ in found]
 
 
-def blame(tree, table, form, path):
+def blame(tree: Any, table: dict, form: Any, path: list) -> tuple[Any, str]:
     """(key, message) of the entry of a table inside a tree that is at fault; the others are removed.
 
     `path` are the steps to it: what is wrong elsewhere in the tree is no fault of an entry.
@@ -77,14 +80,14 @@ def blame(tree, table, form, path):
     raise ValueError("a table that fits")  # unreachable: msgspec has refused one of its entries
 
 
-def value_at(tree, steps):
+def value_at(tree: Any, steps: list) -> Any:
     """The value at the end of the steps."""
     for step in steps:
         tree = tree[step]
     return tree
 
 
-def allowed_by(message):
+def allowed_by(message: str) -> str:
     """What a message of msgspec says is allowed."""
     words = PLACE.sub("", message)
     expected = re.fullmatch(r"Expected (.*?)(, got .*)?", words, re.DOTALL)
@@ -93,6 +96,6 @@ def allowed_by(message):
     return types.replace("`", "").replace("|", "or")
 
 
-def spoken(match):
+def spoken(match: re.Match) -> str:
     """The name of a type in words."""
     return WORDS[match.group(0)]

@@ -6,8 +6,11 @@ interrupted or fails, and at the end.
 """
 
 import io
+from collections.abc import Callable
 from functools import partial
+from logging import Logger
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
@@ -42,6 +45,11 @@ from fvcollapse.output.stepping import Pace, steps_towards, trust_of_record
 from fvcollapse.output.trust import COMPLETE, RUNNING
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.compiled import not_kept
+
+if TYPE_CHECKING:
+    from fvcollapse.output.checkpoint import Checkpoint
+    from fvcollapse.output.recorder import Landing
+
 
 UNCACHED = (
     "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
@@ -85,14 +93,14 @@ def run(case: Case, folder: str | Path | None = None, quiet: bool = True) -> Res
 
 
 def run_case(
-    case,
-    folder,
-    resume=False,
-    quiet=False,
-    checkpoint_interval=None,
-    force=False,
-    simulate=None,
-):
+    case: Case,
+    folder: str | Path,
+    resume: bool = False,
+    quiet: bool = False,
+    checkpoint_interval: float | None = None,
+    force: bool = False,
+    simulate: Callable | None = None,
+) -> Result:
     """Run a case into `folder`, or continue what is there.
 
     Parameters
@@ -150,7 +158,14 @@ def run_case(
     return result
 
 
-def begun(case, folder, log, stored, make, interval=None):
+def begun(
+    case: Case,
+    folder: Path,
+    log: Logger,
+    stored: "Checkpoint | None",
+    make: Callable,
+    interval: float | None = None,
+) -> Keeper:
     """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`; `make` makes its `Job`."""
     log_start(log, case, stored)
     if not_kept():
@@ -160,7 +175,7 @@ def begun(case, folder, log, stored, make, interval=None):
     return Keeper(job, folder, log, CHECKPOINT_INTERVAL if interval is None else interval)
 
 
-def march_on(keeper, quiet):
+def march_on(keeper: Keeper, quiet: bool) -> None:
     """March to the end with a progress bar; a signal is heeded after a step."""
     job = keeper.job
     with progress_bar(job.case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
@@ -173,7 +188,13 @@ class Job:
     `simulate` makes the simulation of (case, state), if not `Simulation` itself; without `fields` none are recorded.
     """
 
-    def __init__(self, case, stored=None, simulate=None, fields=True):
+    def __init__(
+        self,
+        case: Case,
+        stored: "Checkpoint | None" = None,
+        simulate: Callable | None = None,
+        fields: bool = True,
+    ) -> None:
         simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
         if not fields:
@@ -190,7 +211,7 @@ class Job:
         self.state = self.simulation.state.copy()  # the last good state
         self.pace = Pace()
 
-    def march(self, bar, after_steps=lambda records: None):
+    def march(self, bar: Any, after_steps: Callable[[list], object] = lambda records: None) -> None:
         """Step from the present time to the end of the case, landing on every scheduled time; see `rest`."""
         with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
             for landing in self.landings:
@@ -204,14 +225,14 @@ class Job:
                 if self.stops_here():
                     return
 
-    def stops_here(self):
+    def stops_here(self) -> bool:
         """Whether the record ends at a landing at which the run stops before its end, since the pile rests."""
         series = self.recorder.series
         if not stops(self.case, series):
             return False
         return any(abs(landing.time - series["time"][-1]) < SAME_TIME for landing in self.landings)
 
-    def steps(self, landing):
+    def steps(self, landing: "Landing") -> list:
         """Some steps towards a landing, recorded; return their `StepRecord`s.
 
         Raises
@@ -227,15 +248,15 @@ class Job:
             raise marched.problem
         return marched.records
 
-    def consistent(self):
+    def consistent(self) -> bool:
         """Whether record and last good state belong together (not in the midst of a step)."""
         return self.recorder.series["time"][-1] == self.state.time
 
-    def checkpoint_image(self):
+    def checkpoint_image(self) -> bytes:
         """checkpoint.h5 as bytes."""
         return checkpoint_image(self.case, self.state, self.recorder)
 
-    def result_image(self, status):
+    def result_image(self, status: str) -> bytes:
         """result.h5 as bytes; `status` says how far the run is (see `Result`)."""
 
         def fill(file):
