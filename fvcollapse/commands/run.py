@@ -1,11 +1,13 @@
 """`run`: one simulation."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `run` to the commands."""
     parser = commands.add_parser("run", help="run one simulation", description=execute.__doc__)
     add_case(parser)
@@ -30,7 +32,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Run one simulation and print its summary."""
     from fvcollapse.case.case import load_case
 

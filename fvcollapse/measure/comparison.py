@@ -1,5 +1,6 @@
 """A run beside another run, or beside an experiment: the differences of all observables."""
 
+from collections.abc import Sequence
 from math import isclose
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -102,7 +103,7 @@ def refuse_other_set_up(result: "Result", experiment: "Experiment") -> None:
         given = getattr(result.case.geometry, name)
         if not isclose(stated, given, rel_tol=SAME):
             allowed = f"{stated:g}, as {experiment.name} has it"
-            raise InputError(result.path, f"geometry.{name}", f"{given:g}", allowed)
+            raise InputError(result.path or "result", f"geometry.{name}", f"{given:g}", allowed)
 
 
 def rms(values: np.ndarray) -> float:
@@ -110,7 +111,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
 
 
-def table(rows: list[Difference], names: tuple[str, str]) -> str:
+def table(rows: list[Difference], names: Sequence[str]) -> str:
     """The rows as aligned plain text; `names` are those of the first and of the second."""
     cells: list[tuple[str, ...]] = [("", "unit", *names, "difference", "uncertainty")]
     cells += [
