@@ -5,7 +5,7 @@ gravity points down and the bed falls to the right. An arrow of gravity stands i
 """
 
 from math import cos, radians, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -87,6 +87,6 @@ class View(NamedTuple):
             axes.plot(*wall, color="black", lw=1.2, transform=self.bed(axes))
 
 
-def view_of(result, look: Look = Look()) -> View:  # noqa: B008 (immutable)
+def view_of(result: Any, look: Look = Look()) -> View:  # noqa: B008 (immutable)
     """The `View` of a result."""
     return View(radians(result.case.geometry.slope_angle_deg), look.upright)
