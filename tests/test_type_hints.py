@@ -12,15 +12,7 @@ import fvcollapse
 
 PACKAGE = Path(fvcollapse.__file__).parent
 KERNELS = ("step", "march.py", "measure/pile.py", "measure/series_row.py")  # their text is compiled
-WITHOUT = (  # so far
-    "blind",
-    "diagnosis",
-    "effects",
-    "verification/boxes.py",
-    "verification/flows.py",
-    "verification/exact",
-    "verification/problems",
-)
+WITHOUT = ("blind", "diagnosis", "effects")  # so far
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 HINTED = [
     name
