@@ -27,8 +27,9 @@ def write_meshes(file: h5py.File) -> None:
     """
     recorded = {index: group[VELOCITY][:] for index, group in file[GROUP].items()}
     del file[GROUP]
+    meshes = file.create_group(GROUP)
     for index, velocity in recorded.items():
-        write_mesh(file.create_group(f"{GROUP}/{index}"), file[f"fields/{index}"], velocity)
+        write_mesh(meshes.create_group(index), file[f"fields/{index}"], velocity)
 
 
 def write_mesh(group: h5py.Group, fields: h5py.Group, velocity: np.ndarray) -> None:

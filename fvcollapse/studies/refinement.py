@@ -32,7 +32,6 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
-from fvcollapse.step.grid import spacing
 from fvcollapse.studies.convergence import (
     convergence,
     convergence_of_profiles,
@@ -43,6 +42,7 @@ from fvcollapse.studies.convergence import (
 )
 from fvcollapse.studies.least_squares import fit
 from fvcollapse.studies.members import run_member, run_members
+from fvcollapse.studies.refinement_axes import AXES
 from fvcollapse.studies.workers import HERE, refuse_workers
 
 if TYPE_CHECKING:
@@ -52,37 +52,6 @@ if TYPE_CHECKING:
 
 
 NAME = "converge"  # of the files of the report
-
-
-def cell_root(result: "Result") -> float:
-    """Root of the area of a cell [m], with the sizes that the grid really has."""
-    return math.sqrt(math.prod(spacing(result.case)))
-
-
-def mean_step(result: "Result") -> float:
-    """Mean time step that was taken [s]."""
-    return float(result.series["time"][-1] / max(1, len(result.steps["dt"])))
-
-
-def shear_rate_min(result: "Result") -> float:
-    """Shear rate of the regularisation [1/s]."""
-    return result.case.numerics.shear_rate_min
-
-
-class Axis(NamedTuple):
-    """What is refined: key of the case, unit, and refinement size of a result (None: no order)."""
-
-    key: str
-    unit: str
-    size: Callable[["Result"], float] | None
-
-
-AXES = {
-    "cell_size": Axis("grid.cell_size", "m", cell_root),
-    "time_step": Axis("time.step_max", "s", mean_step),
-    "shear_rate_min": Axis("numerics.shear_rate_min", "1/s", shear_rate_min),
-    "tolerance": Axis("numerics.tolerance", "1", None),
-}
 OBSERVABLES = {  # keys of the summary, and their units
     "runout_10mm": "m",
     "runout": "m",

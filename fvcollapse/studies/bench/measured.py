@@ -148,7 +148,7 @@ def best(work: Callable[[], object], repeats: int = REPEATS) -> float:
 
 
 @kernel_jit()
-def triad(a, b, c):
+def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
     """Set a = b + 2 c."""
     for i in range(a.size):
         a[i] = b[i] + 2.0 * c[i]
