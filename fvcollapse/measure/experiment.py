@@ -5,12 +5,10 @@ measured. The set-up of the experiment, put on top of what the user believes, is
 simulation of it runs (`Experiment.case`). A `[truth]` section is never looked at.
 """
 
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
 
 from fvcollapse.case.case import Case
 from fvcollapse.case.grammar import parse_toml, read_text
@@ -18,6 +16,7 @@ from fvcollapse.draw.html import html_table
 from fvcollapse.errors import CaseError, InputError
 from fvcollapse.files.labelled import tree
 from fvcollapse.measure.curves import CSV_FILES, SCALARS, read_curve, read_scalars
+from fvcollapse.measure.experiment_folder import SETTINGS, refuse_bad_name, refuse_parent
 from fvcollapse.measure.experiment_keys import (
     CASE_KEYS,
     Settings,
@@ -38,9 +37,6 @@ if TYPE_CHECKING:
     from fvcollapse.measure.curves import Curve, Scalar
     from fvcollapse.measure.observables import Observations
 
-SETTINGS = "experiment.toml"
-MOST_NAMES = 8  # of experiments in a message
-ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the name of a file (255)
 # a header of a section whose name is `truth` in any spelling of TOML, and any header
 TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
 HEADER = re.compile(r"""\s*\[\[?\s*["']?[A-Za-z_][\w\s."'-]*\]\]?\s*(#.*)?$""")
@@ -101,11 +97,11 @@ class Experiment:
             return assumed.sd
         return standard_deviation(self.settings.uncertainty, name, value)
 
-    def has_common(self, name):
+    def has_common(self, name: str) -> bool:
         """Whether the error of a quantity is that of all experiments of the laboratory; see `[common]`."""
         return getattr(self.settings.common, name, False)
 
-    def assumed(self, base=None):
+    def assumed(self, base: Case | None = None) -> dict[str, Any]:
         """{key: `Assumed`} of what is not stated and follows from what is; see `unstated.assumed_of_grains`."""
         return assumed_of_grains(self.settings.material, base)
 
@@ -197,39 +193,6 @@ def load_experiment(folder: str | Path) -> Experiment:
     refuse_impossible(experiment)
     experiment.case()  # a set-up that no simulation can have is refused now
     return experiment
-
-
-def refuse_parent(folder: Path) -> None:
-    """Refuse a folder of experiments, which holds none itself, with the names of those inside.
-
-    Raises
-    ------
-    InputError
-    """
-    if (folder / SETTINGS).exists() or not folder.is_dir():
-        return
-    inside = sorted(path.parent.name for path in folder.glob(f"*/{SETTINGS}"))
-    if inside:
-        others = f" and {len(inside) - MOST_NAMES} more" if len(inside) > MOST_NAMES else ""
-        found = f"no {SETTINGS}, but experiments in it"
-        raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
-
-
-def refuse_bad_name(folder: Path) -> None:
-    """Refuse a folder whose name no report can show: it becomes part of file names, figures and pages.
-
-    Raises
-    ------
-    InputError
-    """
-    name = os.path.basename(os.path.realpath(folder))
-    if not name or not name.isprintable():
-        allowed = "a folder with a name of printable characters in UTF-8"
-        raise InputError(folder, "folder", f"the name {name!r}", allowed)
-    length = len(quote(name, safe=""))  # as figures are named
-    if length > ENCODED_NAME_MAX:
-        allowed = f"at most {ENCODED_NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
-        raise InputError(folder, "folder", f"a name of {length} characters", allowed)
 
 
 def read_settings(path: Path) -> Settings:
