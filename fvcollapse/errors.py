@@ -1,6 +1,7 @@
 """What can go wrong, named: every failure is one line that says what and where."""
 
 import traceback
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -28,11 +29,11 @@ class InputError(FvcollapseError):
 
     exit_status = 2
 
-    def __init__(self, file, key, found, allowed):
+    def __init__(self, file: str | Path, key: str, found: str, allowed: str) -> None:
         super().__init__(str(file), key, found, allowed)
         self.file, self.key, self.found, self.allowed = str(file), key, found, allowed
 
-    def __str__(self):
+    def __str__(self) -> str:
         return one_line(f"{self.file}: {self.key}: found {self.found}; allowed: {self.allowed}")
 
 
@@ -57,11 +58,11 @@ class NumericalError(FvcollapseError):
         Simulated time [s].
     """
 
-    def __init__(self, what, where="", time=float("nan")):
+    def __init__(self, what: str, where: str = "", time: float = float("nan")) -> None:
         super().__init__(what, where, time)
         self.what, self.where, self.time = what, where, time
 
-    def __str__(self):
+    def __str__(self) -> str:
         moment = f"at t = {self.time:.6g} s" if self.time == self.time else ""
         return one_line(", ".join(part for part in (self.what, self.where, moment) if part))
 
@@ -84,17 +85,17 @@ class OutputError(FvcollapseError):
         False when nothing was computed yet (exit status 2).
     """
 
-    def __init__(self, path, problem, running=False):
+    def __init__(self, path: str | Path, problem: str | Exception, running: bool = False) -> None:
         super().__init__(str(path), problem, running)
         self.path, self.problem, self.running = str(path), problem, running
         self.exit_status = 1 if running else 2
 
-    def __str__(self):
+    def __str__(self) -> str:
         problem = getattr(self.problem, "strerror", None) or self.problem
         return one_line(f"{self.path}: cannot be written: {problem}")
 
 
-def named_failure(error, time=float("nan")):
+def named_failure(error: BaseException, time: float = float("nan")) -> FvcollapseError:
     """Whatever ended a computation as an error on purpose: itself if it is one, else a NumericalError.
 
     Parameters
@@ -116,14 +117,14 @@ def named_failure(error, time=float("nan")):
     return NumericalError(f"unexpected {type(error).__name__}{message}", origin(error), time)
 
 
-def origin(error):
+def origin(error: BaseException) -> str:
     """File and line that raised an error, "" if unknown."""
     frames = traceback.extract_tb(error.__traceback__)
     return f"in {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
 
 
 @contextmanager
-def failures_named():
+def failures_named() -> Iterator[None]:
     """Raise whatever goes wrong inside as an error on purpose (see `named_failure`).
 
     For one run among many: an unexpected error of one must not end the others.
@@ -136,14 +137,14 @@ def failures_named():
         raise named_failure(error) from error
 
 
-def as_output_error(error, path, running):
+def as_output_error(error: BaseException, path: str | Path, running: bool) -> OutputError:
     """The error of a file at `path` that could not be written: a MemoryError leaves the previous one."""
     if isinstance(error, OutputError):
         return error
     return OutputError(path, "no memory to build the file; the previous one is kept", running)
 
 
-def one_line(text):
+def one_line(text: object) -> str:
     """The text on one line: runs of blanks and line breaks as one blank, what cannot be printed escaped."""
     words = " ".join(str(text).split())
     return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in words)

@@ -5,7 +5,8 @@ viscosity and every friction together in one implicit solve, so that a static st
 last the velocity is continued beyond the surface for the next step. Steps are taken many at a time (`march`).
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,10 @@ from fvcollapse.step.state import State
 from fvcollapse.step.terms import terms_of
 from fvcollapse.step.time_step import explain_short_step
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 ENERGIES, BROKEN_LAW = from_python(energies), from_python(broken_law)
 
 
@@ -63,7 +68,7 @@ class Simulation:
         The series at the start (`fvcollapse.measure.series_row`).
     """
 
-    def __init__(self, case, state=None, stages=STAGES):
+    def __init__(self, case: "Case", state: Any = None, stages: Any = STAGES) -> None:
         self.case, self.terms = case.resolved, terms_of(case.resolved)
         self.constants, self.reading = constants_of(self.case), reading_of(self.case)
         self.stages = stages_with(stages, self.case, self.terms)
@@ -104,14 +109,14 @@ class Simulation:
         steps(flow, plan, log, rows, self._memory)
         return rows[0]
 
-    def watch_energy(self, series):
+    def watch_energy(self, series: Mapping[str, Any]) -> None:
         """The guards watch the energy of the start of the record of a run that is continued."""
         start = series["kinetic_energy"][0] + series["potential_energy"][0]
         self.watch = watch_of(self.case, start)
 
     # -- steps ---------------------------------------------------------------------------------------
 
-    def advance(self, time_limit):
+    def advance(self, time_limit: float) -> StepRecord:
         """One step, never beyond `time_limit` (s).
 
         Returns
@@ -129,7 +134,7 @@ class Simulation:
             raise marched.problem
         return marched.records[0]
 
-    def march(self, time_limit, steps, guarded=True):
+    def march(self, time_limit: float, steps: int, guarded: bool = True) -> "Marched":
         """Take steps until `time_limit` (s), at most so many; a step that fails ends the march.
 
         Parameters
@@ -191,7 +196,7 @@ class Simulation:
 
     # -- what the kernels see ------------------------------------------------------------------------
 
-    def flow(self):
+    def flow(self) -> Any:
         """The `Flow` of the present state: its arrays themselves."""
         return self._flow(self.state.copy())
 
@@ -199,7 +204,7 @@ class Simulation:
         arrays = self._energy, self.carrier, self.geometry, self.work, self.unit_packing
         return flow_of(self.state, before, arrays, self.constants)
 
-    def place(self):
+    def place(self) -> None:
         """The geometry is that of the present surface, with the gate where it is now."""
         energy = self._energy.copy()
         self._begin(PLACE)
@@ -208,7 +213,7 @@ class Simulation:
     # -- what is read --------------------------------------------------------------------------------
 
     @property
-    def grid(self):
+    def grid(self) -> Grid:
         """Current grid; it grows with the flow."""
         return Grid(*self.state.pressure_filled.shape, *self.spacing)
 
@@ -224,22 +229,22 @@ class Simulation:
     def energy(self, values):
         self._energy[KINETIC], self._energy[POTENTIAL] = values["kinetic"], values["potential"]
 
-    def energies(self):
+    def energies(self) -> dict[str, float]:
         """Kinetic and potential energy of the present state, J/m; see `fvcollapse.step.energy.energies`."""
         kinetic, potential = ENERGIES(self.flow())
         return {"kinetic": kinetic, "potential": potential}
 
-    def packing(self):
+    def packing(self) -> np.ndarray:
         """Local density over density_bulk, (nx, nz); 1 in an incompressible mass."""
         if self.state.solid_fraction is None:
             return self.unit_packing
         return self.state.solid_fraction / self.constants.fraction_bulk
 
-    def cell_quantities(self):
+    def cell_quantities(self) -> dict[str, np.ndarray]:
         """Fields at the cell centres; see `fvcollapse.step.quantities.cell_quantities`."""
         return quantities.cell_quantities(self.flow())
 
-    def max_speed(self):
+    def max_speed(self) -> float:
         """Largest velocity component on the faces of the grains, m/s."""
         u = self.state.u[self.geometry.index_u >= 0]
         w = self.state.w[self.geometry.index_w >= 0]
@@ -258,7 +263,7 @@ class Marched(NamedTuple):
     problem: NumericalError | None
 
 
-def record_of(row):
+def record_of(row: Any) -> StepRecord:
     """The `StepRecord` of a line of the log of `march`."""
     time, dt, sweeps, residual, divergence, capped, added = row
     sweeps = int(sweeps)

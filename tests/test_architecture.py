@@ -25,6 +25,10 @@ LAYERS = (
     "case.rules",
     "case",
     "step",
+    "draw.html draw.look",
+    "draw.drawing",
+    "draw.grains draw.curves",
+    "draw.figures",
     "measure",
     "march",
     "simulation",
@@ -58,8 +62,10 @@ TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in FIL
 def imported(name, tree):
     """Modules of the package that a module imports, also inside its functions."""
     package = FILES[name].parent.relative_to(PACKAGE.parent).parts
-    found = set()
+    found, for_hints = set(), hint_imports(tree)
     for node in ast.walk(tree):
+        if id(node) in for_hints:
+            continue
         if isinstance(node, ast.Import):
             dotted = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -73,6 +79,13 @@ def imported(name, tree):
             if top == PACKAGE.name:
                 found.add(longest_module(inner))
     return found - {name}
+
+
+def hint_imports(tree):
+    """Ids of the imports for type checkers only: what a hint names is no dependency."""
+    blocks = (node for node in ast.walk(tree) if isinstance(node, ast.If))
+    hints = (node for node in blocks if ast.unparse(node.test) == "TYPE_CHECKING")
+    return {id(part) for block in hints for part in ast.walk(block)}
 
 
 def longest_module(dotted):

@@ -161,6 +161,8 @@ def test_what_changes_numbers_counts(digest, file, old, new):
         ("effects/cohesion.py", '"uniform", 0, 1', '"uniform", 0, 2'),
         ("step/rates.py", "return u\n", "return -u\n"),
         ("errors.py", "pass", "status = 1"),
+        ("simulation.py", "    def advance", "    def plot(self):\n        1\n\n    def advance"),
+        ("simulation.py", "LIMIT, GROWTH", "if TYPE_CHECKING:\n    import xarray\n\nLIMIT, GROWTH"),
     ],
 )
 def test_what_changes_none_does_not(digest, file, old, new):

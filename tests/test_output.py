@@ -212,14 +212,17 @@ def test_observe_takes_the_threshold_and_origin_of_an_experiment(case, folder):
 
 def test_xdmf_matches_the_shapes_of_the_file(folder):
     root = xml.parse(folder / "result.xdmf").getroot()
-    steps = root.findall("./Domain/Grid/Grid")
-    times = [float(step.find("Time").get("Value")) for step in steps]
+    assert root.get("Version") == "3.0"
+    grids = root.findall("./Domain/Grid/Grid")
+    times = [float(grid.find("Time").get("Value")) for grid in grids]
     assert times == open_result(folder).field_times.tolist()
-    grids = [step.find("Grid") for step in steps]
     with h5py.File(folder / "result.h5") as file:
         for grid in grids:
-            nodes = dimensions(grid.find("Topology"))
-            assert grid.find("Topology").get("TopologyType") == "2DSMesh"
+            assert grid.get("GridType") == "Uniform"
+            assert grid.find("Topology").get("TopologyType") == "Quadrilateral"
+            cells = int(grid.find("Topology").get("NumberOfElements"))
+            points = dimensions(grid.find("Geometry/DataItem"))[0]
+            assert dimensions(grid.find("Topology/DataItem")) == (cells, 4)
             for item in grid.iter("DataItem"):
                 name, path = item.text.split(":")
                 assert name == "result.h5"
@@ -227,9 +230,8 @@ def test_xdmf_matches_the_shapes_of_the_file(folder):
                 assert int(item.get("Precision")) == file[path].dtype.itemsize
                 assert (item.get("NumberType") == "Float") == (file[path].dtype.kind == "f")
             for attribute in grid.findall("Attribute"):
-                shape = dimensions(attribute.find("DataItem"))[:2]
-                cells = (nodes[0] - 1, nodes[1] - 1)
-                assert shape == {"Node": nodes, "Cell": cells}[attribute.get("Center")]
+                count = dimensions(attribute.find("DataItem"))[0]
+                assert count == {"Node": points, "Cell": cells}[attribute.get("Center")]
             names = {attribute.get("Name") for attribute in grid.findall("Attribute")}
             assert names == {"velocity", *FIELDS} - {"u", "w"}
 
@@ -239,18 +241,62 @@ def dimensions(element):
     return tuple(int(number) for number in element.get("Dimensions").split())
 
 
-def test_xdmf_velocity_is_the_mean_of_the_faces_and_zero_outside_of_the_grains(folder):
+def test_the_mesh_is_the_cells_with_grains_and_its_values_are_those_of_the_fields(folder):
     field = open_result(folder).field(2)
     filled = cell_fractions(field["level_set"]) > 0.0
     assert 0.1 < filled.mean() < 0.9
     with h5py.File(folder / "result.h5") as file:
-        velocity, nodes = file["paraview/2/velocity"][:], file["paraview/2/coordinates"][:]
+        mesh = {name: values[:] for name, values in file["paraview/2"].items()}
+    corners = mesh["points"][mesh["cells"]]  # (cells, 4, 3)
+    sizes = np.array([field["dx"], field["dz"]])
+    i, k = np.round(corners[:, 0, :2] / sizes).astype(int).T
+    seen = np.zeros_like(filled)
+    seen[i, k] = True
+    np.testing.assert_array_equal(seen, filled)
+    assert len(i) == filled.sum()
     u, w = field["u"], field["w"]
     means = 0.5 * (u[:-1] + u[1:]), 0.5 * (w[:, :-1] + w[:, 1:])
     for component, mean in enumerate(means):
-        np.testing.assert_allclose(velocity[..., component], np.where(filled, mean, 0.0), rtol=1e-6)
-    assert np.abs(means[0][~filled]).max() > 0.0  # the stored field itself is not masked
-    np.testing.assert_allclose(nodes[3, 2], [3 * field["dx"], 2 * field["dz"], 0.0], rtol=1e-6)
+        np.testing.assert_allclose(mesh["velocity"][:, component], mean[i, k], rtol=1e-6)
+    for name in ("pressure", "viscosity", "shear_rate", "inertial_number"):
+        np.testing.assert_allclose(mesh[name], field[name][i, k], rtol=1e-6)
+    x, z = corners[..., 0], corners[..., 1]
+    area = 0.5 * (x * np.roll(z, -1, 1) - np.roll(x, -1, 1) * z).sum(axis=1)
+    np.testing.assert_allclose(area, sizes.prod(), rtol=1e-5)  # counted round each cell
+    nodes = np.round(mesh["points"][:, :2] / sizes).astype(int).T
+    np.testing.assert_allclose(mesh["level_set"], field["level_set"][tuple(nodes)], rtol=1e-6)
+
+
+def test_meshio_reads_the_grains_of_each_time(folder):
+    meshio = pytest.importorskip("meshio")
+    result = open_result(folder)
+    with meshio.xdmf.TimeSeriesReader(folder / "result.xdmf") as reader:
+        assert reader.num_steps == len(result.field_times)
+        for index in range(reader.num_steps):
+            reader.mesh_grid = reader.collection[index]  # each time has its own mesh
+            points, cells = reader.read_points_cells()
+            time, point_data, cell_data = reader.read_data(index)
+            assert time == result.field_times[index]
+            field = result.field(index)
+            grains = cell_fractions(field["level_set"]) > 0.0
+            assert len(cells[0].data) == grains.sum() == len(cell_data["velocity"][0])
+            assert cell_data["pressure"][0].max() == pytest.approx(
+                field["pressure"][grains].max(), rel=1e-6
+            )
+            assert len(points) == len(point_data["level_set"])
+
+
+def test_pyvista_reads_the_grains_of_each_time(folder):
+    pyvista = pytest.importorskip("pyvista")
+    result = open_result(folder)
+    reader = pyvista.get_reader(str(folder / "result.xdmf"))
+    assert reader.time_values == pytest.approx(result.field_times)
+    for index, time in enumerate(reader.time_values):
+        reader.set_active_time_value(time)
+        mesh, field = reader.read(), result.field(index)
+        grains = cell_fractions(field["level_set"]) > 0.0
+        assert mesh.n_cells == grains.sum()
+        assert mesh.cell_data["velocity"].shape == (mesh.n_cells, 3)
 
 
 # -- progress ----------------------------------------------------------------------------------

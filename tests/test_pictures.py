@@ -1,6 +1,12 @@
 """The pictures of a result: all there, not blank, cut along the surface, nothing global touched."""
 
 import io
+import re
+import shutil
+import subprocess
+import sys
+from importlib import import_module
+from importlib.util import find_spec
 
 import matplotlib as mpl
 import numpy as np
@@ -10,19 +16,13 @@ from PIL import Image
 
 from fvcollapse import open_result
 from fvcollapse.case.case import Case
-from fvcollapse.draw import drawing, pictures
+from fvcollapse.draw import animation, captions, drawing, figures, grains, look, pictures
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.output import run as output
 
-NAMES = {
-    "profiles.png",
-    "interface.png",
-    "speed.png",
-    "pressure.png",
-    "front.png",
-    "volume.png",
-    "animation.gif",
-}
+WHAT = ("profiles", "interface", "front", "volume", "speed", "pressure", "animation")
+PICTURES = {f"{what}.{'gif' if what == 'animation' else 'png'}" for what in WHAT}
+NAMES = PICTURES | {f"{what}.txt" for what in WHAT}
 
 
 @pytest.fixture
@@ -39,32 +39,141 @@ def test_all_pictures_are_drawn_and_nothing_global_changes(folder, tmp_path):
     assert {path.name for path in paths} == NAMES
     assert {path.name for path in (tmp_path / "a" / "b").iterdir()} == NAMES
     assert dict(mpl.rcParams) == before
-    for path in paths:
+    for path in (path for path in paths if path.name in PICTURES):
         with Image.open(path) as image:
             assert image.width > 600
             assert len(np.unique(np.asarray(image.convert("L")))) > 10, path.name  # not blank
 
 
 def test_pictures_go_beside_the_result(folder, monkeypatch):
-    for name in ("png", "animation"):
-        monkeypatch.setattr(pictures, name, lambda _: b"picture")  # drawn in the test above
+    for name in ("picture", "animation"):
+        monkeypatch.setattr(pictures, name, lambda *_: b"picture")  # drawn in the test above
     paths = pictures.draw_all(folder)
     assert {path.parent for path in paths} == {folder / "pictures"}
 
 
-def test_animation_has_a_frame_per_field_and_plays_in_slow_motion(folder):
+def test_animation_has_a_frame_per_profile_and_is_smooth(folder):
     result = open_result(folder)
-    data = pictures.animation(result)
+    data = animation.animation(result)
     assert len(data) < 3e6
     with Image.open(io.BytesIO(data)) as image:
-        assert image.n_frames == len(result.field_times) == 11
-        assert image.info["duration"] == pytest.approx(1000 * 0.02 * pictures.SLOW_MOTION, abs=10)
+        assert image.n_frames == len(result.profiles.time) == 11
+        assert image.info["duration"] == pytest.approx(60)
+    assert 1.0 / animation.FRAME_TIME >= 15
+    assert animation.slow_motion(result) == pytest.approx(0.06 / 0.02)
 
 
-def test_animation_of_many_fields_takes_a_part_of_them(folder, monkeypatch):
-    monkeypatch.setattr(pictures, "FRAMES_MAX", 4)
-    with Image.open(io.BytesIO(pictures.animation(open_result(folder)))) as image:
-        assert image.n_frames == 4
+def test_animation_of_many_profiles_takes_a_part_of_them_evenly(folder, monkeypatch):
+    monkeypatch.setattr(animation, "FRAMES_MAX", 6)
+    result = open_result(folder)
+    assert animation.frame_times(result) == [0, 2, 4, 6, 8, 10]
+    assert animation.slow_motion(result) == pytest.approx(0.06 / 0.04)
+    with Image.open(io.BytesIO(animation.animation(result))) as image:
+        assert image.n_frames == 6
+
+
+def test_the_speed_between_two_fields_is_theirs_at_their_times_and_between_them_else(folder):
+    result = open_result(folder)
+    fields = [result.field(j) for j in range(len(result.field_times))]
+    scene = animation.Scene(result, fields, 1.0, look.View(0.0))
+    for field in (fields[3], fields[7]):
+        values, dx, dz = animation.speed_at(scene, field["time"])
+        own = grains.quantity(field, "speed")
+        assert (dx, dz) == (field["dx"], field["dz"])
+        assert values[: own.shape[0], : own.shape[1]] == pytest.approx(own)
+    pair = [grains.quantity(field, "speed").max() for field in fields[3:5]]
+    middle = animation.speed_at(scene, 0.5 * (fields[3]["time"] + fields[4]["time"]))[0].max()
+    assert min(pair) - 1e-12 <= middle <= max(pair) + 1e-12
+
+
+def test_a_stretched_field_moves_with_its_front():
+    ramp = np.arange(8.0)[:, None] * np.ones((1, 2))
+    faces = np.concatenate([[[-0.5, -0.5]], 0.5 + ramp])  # the means of two are the ramp
+    field = {"u": faces, "w": np.zeros((8, 3))}
+    assert animation.stretched(field, 1.0, 8) == pytest.approx(ramp)
+    twice = animation.stretched(field, 2.0, 12)
+    centres = np.arange(12) + 0.5
+    assert twice[:, 0] == pytest.approx(np.clip(centres / 2 - 0.5, 0, 7))
+
+
+def test_mp4_needs_ffmpeg_and_holds_all_frames(folder, monkeypatch, tmp_path):
+    result, as_mp4 = open_result(folder), look.Look(animation="mp4")
+    ffmpeg = shutil.which("ffmpeg") or (
+        find_spec("imageio_ffmpeg") and import_module("imageio_ffmpeg").get_ffmpeg_exe()
+    )
+    if ffmpeg:
+        film = tmp_path / "film.mp4"
+        film.write_bytes(animation.animation(result, as_mp4))
+        command = [ffmpeg, "-i", film, "-map", "0:v", "-f", "null", "-"]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+        shown = len(result.profiles.time) + round(animation.LAST / animation.FRAME_TIME)
+        assert re.findall(r"frame= *(\d+)", said)[-1] == str(shown)
+        assert "16.67 fps" in said
+    monkeypatch.setattr(animation.shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match="no ffmpeg"):
+        animation.animation(result, as_mp4)
+
+
+@pytest.mark.parametrize("kind", ["pdf", "svg"])
+def test_pictures_in_other_formats_are_the_same_each_time(folder, tmp_path, kind):
+    chosen = look.Look(format=kind, animation="none", fields=("viscosity",), dpi=60)
+    first, second = (
+        {path.name: path.read_bytes() for path in pictures.draw_all(folder, tmp_path / n, chosen)}
+        for n in ("a", "b")
+    )
+    wanted = {"profiles", "interface", "front", "volume", "viscosity"}
+    assert set(first) == {f"{what}.{end}" for what in wanted for end in (kind, "txt")}
+    beginning = b"%PDF" if kind == "pdf" else b"<?xml"
+    assert all(data.startswith(beginning) for name, data in first.items() if name.endswith(kind))
+    texts = [name for name in first if name.endswith("txt")]
+    assert all(first[name] == second[name] for name in texts)
+    if kind == "pdf":
+        assert first == second
+
+
+def test_upright_pictures_have_gravity_pointing_down(folder):
+    result = open_result(folder)
+    slope = np.radians(result.case.geometry.slope_angle_deg)
+    assert slope > 0.3
+    along, upright = look.View(slope), look.View(slope, upright=True)
+    turned = upright.rotation().transform(along.gravity())
+    assert turned == pytest.approx([0.0, -1.0])
+    assert upright.gravity() == pytest.approx(turned)
+    (x_0, z_0), (x_1, z_1) = upright.limits(2.0, 0.1)
+    assert z_0 == pytest.approx(-2.0 * np.sin(slope))  # the bed falls to the right
+    assert (x_0, z_1) == pytest.approx((0.0, 0.1 * np.cos(slope)))
+    assert x_1 == pytest.approx(2.0 * np.cos(slope) + 0.1 * np.sin(slope))
+
+
+def test_times_are_the_nearest_stored_ones_and_the_caption_says_them(folder):
+    result, wanted = open_result(folder), look.Look(times=(0.041, 0.1, 0.101))
+    times = result.field_times
+    assert times[drawing.chosen_times(result, times, (), wanted.times)] == pytest.approx(
+        [0.04, 0.1]
+    )
+    text = captions.caption(result, "speed", wanted)
+    assert "t = 0.04, 0.1 s" in text
+    assert "follow the root of the value" in text
+    assert "equal scales" in " ".join(text.split())
+    assert len(figures.draw(result, "speed", wanted).axes) == 3  # two panels and the colours
+
+
+def test_a_front_that_runs_back_is_explained(folder):
+    result = open_result(folder)
+    assert "No grain runs back" not in captions.caption(result, "front", look.Look())
+    result.series["front_position"][-1] = result.series["front_position"].max() - 0.05
+    text = captions.caption(result, "front", look.Look())
+    assert "50 mm behind its farthest place" in text
+    assert "No grain runs back" in text
+    words = [text.get_text() for text in figures.draw_front(result).axes[0].texts]
+    assert any("thinner than 5 mm" in text for text in words)
+
+
+def test_a_field_that_is_not_there_is_refused(folder, tmp_path):
+    with pytest.raises(InputError, match="found cohesion; allowed: speed, .*viscosity"):
+        pictures.draw_all(folder, tmp_path, look.Look(fields=("cohesion",)))
+    assert {path.name for path in tmp_path.iterdir()} == {"run"}
 
 
 def test_grains_are_cut_along_the_surface():
@@ -81,7 +190,7 @@ def test_grains_are_cut_along_the_surface():
     axes = figure.add_axes([0.0, 0.0, 1.0, 1.0])
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
     axes.axis("off")
-    drawing.draw_grains(axes, field, "pressure", 1.0)
+    grains.draw_grains(axes, field, "pressure", 1.0, look.View(0.0))
     figure.set_layout_engine("none")
     figure.canvas.draw()
     column = np.asarray(figure.canvas.buffer_rgba())[::-1, 300, :3].astype(int)

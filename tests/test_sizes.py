@@ -13,6 +13,7 @@ FILE_LINES, CODE_LINES, ARGUMENTS, KERNEL_ARGUMENTS = 300, 40, 6, 10
 EXCEPTIONS = {
     ("diagnosis/diagnose.py", "diagnose"): "the public call: one argument for each option",
     ("output/run.py", "run_case"): "the public call: one argument for each option",
+    ("measure/observables.py", "observe"): "the public call: one argument for each option",
     ("step/advance.py", "stepper"): "the text of a step, for kernels and for plain Python",
     ("march.py", "marcher"): "the text of a march, for kernels and for plain Python",
     ("step/plain_terms.py", "project"): "a stage: the arguments of the compiled one",

@@ -7,8 +7,11 @@ default and meaning in its section (`sections.py`, `effects/<name>.py`; `describ
 """
 
 import tomllib
+from collections.abc import Collection, Sequence
 from functools import cached_property
 from math import sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -31,12 +34,19 @@ from fvcollapse.effects.catalogue import CATALOGUE, with_effects
 from fvcollapse.errors import CaseError
 from fvcollapse.files.trees import ENDLESS_NAME, is_text
 
+if TYPE_CHECKING:
+    from fvcollapse.case.grammar import KeyInfo
+
+
 GRAVITY = 9.81  # m/s2, fixed
 LONGEST_STEP = 0.02  # of a case that states none, in sqrt(height_0 / g)
 DOMAIN_MAX = (
     100.0  # of height and length of the column: a collapse that stops runs out a tenth of it
 )
 
+
+if TYPE_CHECKING:
+    Effects = Any
 
 # built from the catalogue; `nonlocal` is a word of Python, which no class body can declare
 Effects = msgspec.defstruct(
@@ -69,7 +79,7 @@ class Case(Section, dict=True):
     effects: Effects = Effects()
 
     @cached_property
-    def resolved(self):
+    def resolved(self) -> "Case":
         """The case that the solver runs: its effects on keys are put into the keys that they change.
 
         It is its own resolved case.
@@ -77,22 +87,22 @@ class Case(Section, dict=True):
         return with_effects(self)
 
     @property
-    def longest_step(self):
+    def longest_step(self) -> float:
         """Longest time step [s]."""
         return self.time.step_max or LONGEST_STEP * sqrt(self.geometry.height_0 / GRAVITY)
 
     @property
-    def domain_max(self):
+    def domain_max(self) -> float:
         """Greatest length to which the domain grows [m]."""
         geometry, boundary = self.geometry, self.boundary
         absent = DOMAIN_MAX * (geometry.height_max + max(geometry.length_max, geometry.length_0))
         return boundary.domain_max or max(absent, boundary.domain_length or 0.0)
 
-    def to_toml(self):
+    def to_toml(self) -> str:
         """The full resolved case as TOML text; `case_from_text` reads back an equal case."""
         return "\n".join(toml_lines(as_table(self))).lstrip() + "\n"
 
-    def replace(self, **changes):
+    def replace(self, **changes: Any) -> "Case":
         """A case with some keys changed: `case.replace(**{"grid.cell_size": 0.004})`.
 
         Checked like a file. None stands for the default of a key, or for an effect that is off;
@@ -104,12 +114,12 @@ class Case(Section, dict=True):
         return case_from_table(table, "Case.replace")
 
 
-def describe_keys():
+def describe_keys() -> "list[KeyInfo]":
     """All keys of the case file: a list of KeyInfo (name, unit, allowed, default, description)."""
     return list(key_table(Case).values())
 
 
-def load_case(path, overrides=()):
+def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     """The case in a TOML file, with overrides on top.
 
     Parameters
@@ -128,7 +138,7 @@ def load_case(path, overrides=()):
     return case_from_text(text, path, overrides)
 
 
-def case_from_text(text, source="case", overrides=()):
+def case_from_text(text: str, source: str | Path = "case", overrides: Sequence[str] = ()) -> Case:
     """The case in a TOML text; `source` is the file name that errors give."""
     table = parse_toml(text, source, CaseError)
     overridden = set()
@@ -144,7 +154,9 @@ def case_from_text(text, source="case", overrides=()):
     return case_from_table(table, source, overridden)
 
 
-def case_from_table(table, source="case", overridden=()):
+def case_from_table(
+    table: dict, source: str | Path = "case", overridden: Collection[str] = ()
+) -> Case:
     """The case in nested dictionaries; `overridden` are the keys that came from `--set`."""
     case, refused = convert(table, Case)
     if not refused:
@@ -157,7 +169,7 @@ def case_from_table(table, source="case", overridden=()):
     return case
 
 
-def parse_value(text):
+def parse_value(text: str) -> Any:
     """VALUE of an override: parsed as TOML, else the text itself."""
     if ENDLESS_NAME.search(text):
         return text
@@ -168,7 +180,9 @@ def parse_value(text):
     return table["value"] if table.keys() == {"value"} else text
 
 
-def set_path(table, path, value, source, tables_allowed=False):
+def set_path(
+    table: dict, path: str, value: Any, source: str | Path, tables_allowed: bool = False
+) -> None:
     """Set a dotted key in nested dictionaries; a path that is no key, or a table, is refused."""
     keys, tables = set(key_table(Case)), table_names(Case)
     if path not in keys | tables:

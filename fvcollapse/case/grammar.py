@@ -2,9 +2,11 @@
 
 import json
 import tomllib
+from collections.abc import Iterator
 from difflib import get_close_matches
 from functools import cache
-from typing import Literal, NamedTuple, get_args, get_origin, get_type_hints
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import msgspec
 
@@ -20,7 +22,14 @@ class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     """A table of the case file: unknown keys refused, no silent conversion, never changed."""
 
 
-def key(unit, description, allowed=None, inf=False, most=None, **limits):
+def key(
+    unit: str,
+    description: str,
+    allowed: str | None = None,
+    inf: bool = False,
+    most: float | None = None,
+    **limits: Any,
+) -> msgspec.Meta:
     """What a user must know of a key of the case file, beside its type and default.
 
     Parameters
@@ -56,12 +65,12 @@ class KeyInfo(NamedTuple):
 # -- reading -----------------------------------------------------------------------------------
 
 
-def read_text(path, kind, refuse=InputError):
+def read_text(path: str | Path, kind: str, refuse: type[InputError] = InputError) -> str:
     """Text of a file; a defect is one error of the type `refuse`, which asks for `kind`."""
     return decode_text(read_bytes(path, kind, refuse), path, refuse)
 
 
-def read_bytes(path, kind, refuse=InputError):
+def read_bytes(path: str | Path, kind: str, refuse: type[InputError] = InputError) -> bytes:
     """Bytes of a regular file; a defect is one error of the type `refuse`, which asks for `kind`."""
     try:
         return read_regular(path)
@@ -70,7 +79,7 @@ def read_bytes(path, kind, refuse=InputError):
         raise refuse(path, "file", problem, f"a readable {kind} file") from None
 
 
-def decode_text(data, path, refuse=InputError):
+def decode_text(data: bytes, path: str | Path, refuse: type[InputError] = InputError) -> str:
     """The text in bytes of the file `path`: UTF-8, with or without a byte order mark."""
     try:
         return data.decode("utf-8-sig")
@@ -79,7 +88,7 @@ def decode_text(data, path, refuse=InputError):
         raise refuse(path, "file", found, "UTF-8 text") from None
 
 
-def parse_toml(text, source, refuse=InputError):
+def parse_toml(text: str, source: str | Path, refuse: type[InputError] = InputError) -> dict:
     """Nested dictionaries of a TOML text; a defect is one error of the type `refuse`."""
     if ENDLESS_NAME.search(text):
         found = "a name of more than 50 parts"
@@ -90,7 +99,7 @@ def parse_toml(text, source, refuse=InputError):
         raise refuse(source, "file", f"broken TOML: {error}", "valid TOML") from None
 
 
-def convert(table, model):
+def convert(table: dict, model: Any) -> tuple[Any, list[tuple[str, str, str]]]:
     """(a model of nested dictionaries or None, what is refused in them).
 
     What is refused is a list of (key, what was found, what is allowed): of values nested too deep, of
@@ -109,7 +118,7 @@ def convert(table, model):
 
 
 @cache
-def sections(model, prefix=""):
+def sections(model: Any, prefix: str = "") -> tuple[tuple[str, Any], ...]:
     """Each table inside a model as (dotted name, model), outer before inner."""
     found = []
     for name, hint in get_type_hints(model).items():
@@ -120,7 +129,7 @@ def sections(model, prefix=""):
 
 
 @cache
-def key_metas(model):
+def key_metas(model: Any) -> dict:
     """The `key(...)` of each key of one table, by name."""
     metas = {}
     for name, hint in get_type_hints(model, include_extras=True).items():
@@ -131,7 +140,7 @@ def key_metas(model):
 
 
 @cache
-def key_table(model):
+def key_table(model: Any) -> dict[str, KeyInfo]:
     """KeyInfo of all keys inside a model, as {dotted name: KeyInfo}, in the order of the model."""
     rows = {}
     for section, inner in (("", model), *sections(model)):
@@ -149,12 +158,12 @@ def key_table(model):
 
 
 @cache
-def table_names(model):
+def table_names(model: Any) -> set[str]:
     """Dotted names of all tables inside a model."""
     return {name for name, _ in sections(model)}
 
 
-def allowed_words(hint, meta):
+def allowed_words(hint: Any, meta: msgspec.Meta) -> str:
     """What a key accepts, in words: from its type and its limits."""
     if get_origin(hint) is Literal:
         return " or ".join(toml_value(choice) for choice in get_args(hint))
@@ -162,13 +171,13 @@ def allowed_words(hint, meta):
         return "true or false"
     if hint is str:
         return "text"
-    words = meta.extra["allowed"]
+    words = (meta.extra or {})["allowed"]
     if words.startswith("a list"):
         return words
     return f"a {'whole ' if hint is int else ''}number {words}"
 
 
-def closest(path, model):
+def closest(path: str, model: Any) -> str:
     """The key or table of a model most like a path: a near miss in the same table first, ...
 
     ... then the same last word in another table, then the nearest spelling.
@@ -183,12 +192,12 @@ def closest(path, model):
     return names[0]
 
 
-def closest_name(name, names):
+def closest_name(name: str, names: list[str]) -> str:
     """The name most like another one."""
     return (get_close_matches(name, names, n=1, cutoff=0.0) or names)[0]
 
 
-def refusal_of_type(misfit, model):
+def refusal_of_type(misfit: Any, model: Any) -> tuple[str, str, str]:
     """(key, what was found, what is allowed) of the first value of a table that does not fit its model."""
     names = [step for step in misfit.steps if isinstance(step, str)]
     indices = "".join(f"[{step}]" for step in misfit.steps if isinstance(step, int))
@@ -203,7 +212,7 @@ def refusal_of_type(misfit, model):
 # -- values ------------------------------------------------------------------------------------
 
 
-def as_table(section):
+def as_table(section: Section) -> dict:
     """Nested dictionaries of a case; what is absent (None) is left out."""
     values = {name: getattr(section, name) for name in section.__struct_fields__}
     return {
@@ -213,14 +222,14 @@ def as_table(section):
     }
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """Numbers and arrays of numpy as plain numbers and lists."""
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def toml_lines(table, prefix=""):
+def toml_lines(table: dict, prefix: str = "") -> Iterator[str]:
     """Nested dictionaries as lines of TOML: the plain keys of a table first, then its tables."""
     for name, value in table.items():
         if not isinstance(value, dict):
@@ -231,7 +240,7 @@ def toml_lines(table, prefix=""):
             yield from toml_lines(value, f"{prefix}{name}.")
 
 
-def toml_value(value):
+def toml_value(value: Any) -> str:
     """A value as TOML text; floats to the last bit."""
     if isinstance(value, bool | str):
         return json.dumps(value, ensure_ascii=False)
@@ -242,7 +251,7 @@ def toml_value(value):
     return "{...}" if isinstance(value, dict) else str(value)
 
 
-def show(value):
+def show(value: Any) -> str:
     """A value and its type in a few words."""
     if isinstance(value, dict):
         return "a table"

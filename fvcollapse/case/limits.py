@@ -3,6 +3,13 @@
 What grows while the run goes on is limited in `fvcollapse.step.guards`.
 """
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 CELLS_MAX = 4_000_000  # in the column, and of a domain that grows: more would not fit in the memory
 BAND_MAX = 16e9  # bytes; 2 nx nz unknowns times a half bandwidth of 2 nz
 OUTPUTS_MAX = 100_000  # profiles and fields; a shorter output interval is a slip of the pen
@@ -12,7 +19,7 @@ STEPS_MAX = 1_000_000  # the series of as many take 1 GB of memory
 ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 
 
-def rule_cells(case):
+def rule_cells(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The column is resolved, and fits in the memory."""
     height, length = case.geometry.height_max, case.geometry.length_max
     size_x, size_z = case.grid.cell_size, case.grid.cell_size_z or case.grid.cell_size
@@ -32,12 +39,12 @@ def rule_cells(case):
         yield "grid.cell_size", found, f"sizes that need at most {BAND_MAX / 1e9:g} GB"
 
 
-def matrix_bytes(columns, rows):
+def matrix_bytes(columns: float, rows: float) -> float:
     """Bytes of the matrix of so many columns and rows of cells in the grains."""
     return 32.0 * columns * rows * rows
 
 
-def rule_start(case):
+def rule_start(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The domain at the start fits in the memory, with what is longer or thicker than the column."""
     layer = case.effects.erodible_bed.thickness if case.effects.erodible_bed else 0.0
     height, size_x = case.geometry.height_max, case.grid.cell_size
@@ -59,7 +66,7 @@ def rule_start(case):
         yield key, found, f"sizes that need at most {BAND_MAX / 1e9:g} GB"
 
 
-def rule_outputs(case):
+def rule_outputs(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The outputs are as many as can be stored."""
     time, end = case.time, case.time.end
     shortest = end / OUTPUTS_MAX
@@ -86,7 +93,7 @@ def rule_outputs(case):
             yield f"time.{name}", found, limit
 
 
-def rule_steps(case):
+def rule_steps(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The run ends within the number of steps whose record fits in the memory."""
     latest = STEPS_MAX * case.longest_step
     if case.time.end > latest:

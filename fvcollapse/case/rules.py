@@ -3,21 +3,27 @@
 Each rule takes a case and yields (key, what was found, what is allowed) for what it refuses.
 """
 
+from collections.abc import Iterator, Sequence
 from math import inf, isfinite, radians, tan
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.case.grammar import key_metas, sections, show
 from fvcollapse.case.limits import LIMIT_RULES, ROUND_OFF
 from fvcollapse.case.well_posed import rule_regularised
 from fvcollapse.effects.catalogue import refusals
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 VERTICES_MAX = 500  # the check that a polygon is simple compares all pairs of edges
 POLYGON_WORDS = f"a list of 3 to {VERTICES_MAX} points [x, z], from 0 to 1000: a simple polygon"
 
 
-def rule_finite(case):
+def rule_finite(case: "Case") -> Iterator[tuple[str, str, str]]:
     """Numbers are finite, except where inf is named; those beside inf are not too large."""
     for section, model in sections(type(case)):
-        values = case
+        values: Any = case
         for part in section.split("."):
             values = getattr(values, part, None)
         for name, meta in key_metas(model).items():
@@ -31,21 +37,21 @@ def rule_finite(case):
                 yield f"{section}.{name}", show(value), f"a finite number: {meta.extra['allowed']}"
 
 
-def rule_friction(case):
+def rule_friction(case: "Case") -> Iterator[tuple[str, str, str]]:
     """mu(I) rises with I."""
     mu_1, mu_2 = case.rheology.mu_1, case.rheology.mu_2
     if mu_2 < mu_1:
         yield "rheology.mu_2", f"{mu_2:g}", f">= rheology.mu_1 = {mu_1:g}"
 
 
-def rule_density(case):
+def rule_density(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The packed grains are not denser than the grains."""
     grain, bulk = case.rheology.density_grain, case.rheology.density_bulk
     if bulk > grain:
         yield "rheology.density_bulk", f"{bulk:g}", f"<= rheology.density_grain = {grain:g}"
 
 
-def rule_polygon(case):
+def rule_polygon(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The polygon is simple, has an area, and the gate does not cut it."""
     vertices, length_0 = case.geometry.polygon, case.geometry.length_0
     if vertices is None:
@@ -60,7 +66,7 @@ def rule_polygon(case):
         yield "geometry.surface", show(case.geometry.surface), '"parallel" beside geometry.polygon'
 
 
-def rule_surface(case):
+def rule_surface(case: "Case") -> Iterator[tuple[str, str, str]]:
     """A level surface meets both walls above the bed, so that its mean height is height_0."""
     geometry = case.geometry
     drop = 0.5 * geometry.length_0 * tan(radians(abs(geometry.slope_angle_deg)))
@@ -69,7 +75,7 @@ def rule_surface(case):
         yield "geometry.height_0", f"{geometry.height_0:g}", limit
 
 
-def rule_domain(case):
+def rule_domain(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The domain holds the column."""
     column = max(case.geometry.length_max, case.geometry.length_0)
     length = case.boundary.domain_length
@@ -96,7 +102,7 @@ RULES = (
 )
 
 
-def polygon_problem(vertices):
+def polygon_problem(vertices: Sequence[tuple[float, float]]) -> str:
     """Why a list of vertices is no simple polygon of positive area; "" if it is one."""
     count = len(vertices)
     if not 3 <= count <= VERTICES_MAX:
@@ -110,7 +116,7 @@ def polygon_problem(vertices):
     return ""
 
 
-def edges_clash(first, second, neighbours):
+def edges_clash(first: Sequence, second: Sequence, neighbours: bool) -> bool:
     """Whether two edges share more than they may: a neighbour's vertex, and otherwise nothing."""
     (a, b), (c, d) = first, second
     if neighbours:
@@ -127,7 +133,7 @@ def edges_clash(first, second, neighbours):
     return side(a, b, c) * side(a, b, d) <= 0 and side(c, d, a) * side(c, d, b) <= 0
 
 
-def side(a, b, c):
+def side(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> int:
     """+1, 0 or -1: c lies left of, on, or right of the line from a to b, to round-off."""
     left, right = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
     cross = left - right

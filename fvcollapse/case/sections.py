@@ -39,12 +39,12 @@ class Geometry(Section):
     ] = "parallel"
 
     @property
-    def height_max(self):
+    def height_max(self) -> float:
         """Greatest initial height above the bed [m] of the rectangle or the polygon."""
         return max(z for _, z in self.polygon) if self.polygon else self.height_0
 
     @property
-    def length_max(self):
+    def length_max(self) -> float:
         """Greatest initial distance from the back wall [m] of the rectangle or the polygon."""
         return max(x for x, _ in self.polygon) if self.polygon else self.length_0
 

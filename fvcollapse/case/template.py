@@ -11,7 +11,7 @@ HEAD = """\
 WIDTH = 44  # columns before the comment of a key
 
 
-def case_template():
+def case_template() -> str:
     """The text of a case file that is the default case, with every key as a comment (TOML)."""
     lines, section = [HEAD.rstrip()], None
     for info in describe_keys():

@@ -7,7 +7,12 @@ where C = 4 n (n - 1) + t^2 > 0 (and t < 2 (1 - n)).
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 LOWEST = 1.0e-300  # inertial number below which no limit is looked for
 EXPONENT_MAX = 600.0  # of A/I_1: its exponential is a number, whatever I is
@@ -20,12 +25,12 @@ class Regularised(NamedTuple):
     A_minus: float
 
 
-def mu_upper(inertial, mu_1, mu_2, I_0, mu_infinity):
+def mu_upper(inertial: float, mu_1: float, mu_2: float, I_0: float, mu_infinity: float) -> float:
     """(mu_1 I_0 + mu_2 I + mu_inf I^2) / (I_0 + I), Barker & Gray (2017), equation 6.3."""
     return (mu_1 * I_0 + mu_2 * inertial + mu_infinity * inertial * inertial) / (I_0 + inertial)
 
 
-def criterion_mu_I(inertial, mu_1, mu_2, I_0):
+def criterion_mu_I(inertial: float, mu_1: float, mu_2: float, I_0: float) -> float:
     """C of the mu(I) law at inertial number `inertial`."""
     mu = mu_1 + (mu_2 - mu_1) * inertial / (inertial + I_0)
     exponent = inertial * (mu_2 - mu_1) * I_0 / (inertial + I_0) ** 2 / mu
@@ -33,7 +38,7 @@ def criterion_mu_I(inertial, mu_1, mu_2, I_0):
     return 4.0 * exponent * (exponent - 1.0) + slope * slope
 
 
-def lower_well_posed_limit(mu_1, mu_2, I_0):
+def lower_well_posed_limit(mu_1: float, mu_2: float, I_0: float) -> float:
     """Smallest inertial number at which mu(I) is well-posed.
 
     Raises
@@ -57,7 +62,7 @@ def lower_well_posed_limit(mu_1, mu_2, I_0):
     raise ValueError("is ill-posed for every I")
 
 
-def frictions(case):
+def frictions(case: "Case") -> tuple[float, float]:
     """Friction coefficients (mu_1, mu_2) of the law: the older wall closure (equation 21) raises both."""
     rheology, walls, extra = case.rheology, case.effects.lateral_friction, 0.0
     if walls is not None and walls.closure == "friction_increase":
@@ -66,7 +71,7 @@ def frictions(case):
     return rheology.mu_1 + extra, rheology.mu_2 + extra
 
 
-def regularised(case):
+def regularised(case: "Case") -> Regularised:
     """The `Regularised` constants of a case that passed `rule_regularised`."""
     (mu_1, mu_2), law = frictions(case), case.rheology
     I_1 = lower_well_posed_limit(mu_1, mu_2, law.I_0)
@@ -74,7 +79,7 @@ def regularised(case):
     return Regularised(I_1, I_1 * math.exp(law.alpha_regularised / mu_at_I_1**2))
 
 
-def rule_regularised(case):
+def rule_regularised(case: "Case") -> Iterator[tuple[str, str, str]]:
     """The regularised law joins a well-posed mu(I), by a logarithm that is a number."""
     law = case.rheology
     if law.law != "mu_I_regularised":

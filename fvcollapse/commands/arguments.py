@@ -1,6 +1,7 @@
 """Arguments that several commands share."""
 
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.files.plain_numbers import whole_number
 
@@ -12,7 +13,7 @@ RULE = (
 )
 
 
-def add_case(parser):
+def add_case(parser: Any) -> None:
     """The case file, and changes to it."""
     parser.add_argument("case", metavar="CASE.toml", type=Path, help="case file")
     parser.add_argument(
@@ -25,7 +26,7 @@ def add_case(parser):
     )
 
 
-def add_force(parser):
+def add_force(parser: Any) -> None:
     """The option to overwrite, and the rule that it lifts."""
     parser.add_argument(
         "--force",
@@ -35,7 +36,7 @@ def add_force(parser):
     parser.epilog = RULE
 
 
-def add_workers(parser, default=1):
+def add_workers(parser: Any, default: int = 1) -> None:
     """The number of processes that make many runs."""
     parser.add_argument(
         "--workers",
@@ -46,14 +47,14 @@ def add_workers(parser, default=1):
     )
 
 
-def add_scheduler(parser):
+def add_scheduler(parser: Any) -> None:
     """The cluster that makes many runs, in place of processes of this machine."""
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers run the cases"
     )
 
 
-def add_dry_run(parser):
+def add_dry_run(parser: Any) -> None:
     """The option that only says what would be run."""
     parser.add_argument(
         "--dry-run",
@@ -62,6 +63,6 @@ def add_dry_run(parser):
     )
 
 
-def add_quiet(parser):
+def add_quiet(parser: Any) -> None:
     """The option without a progress bar."""
     parser.add_argument("--quiet", action="store_true", help="no progress bar")

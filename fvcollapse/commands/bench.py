@@ -1,13 +1,15 @@
 """`bench`: the cost of fixed cases."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force, add_quiet
 from fvcollapse.console.interruption import raised_interrupt
 from fvcollapse.files.plain_numbers import decimal_number
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `bench` to the commands."""
     parser = commands.add_parser(
         "bench", help="measure the cost of fixed cases", description=execute.__doc__
@@ -26,7 +28,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Run fixed cases, each in a process of its own; print times, sweeps, memory and the bound."""
     from fvcollapse.output.question import claim_file
 

@@ -1,10 +1,12 @@
 """`blind`: the blind check of the diagnosis."""
 
+from typing import Any
+
 from fvcollapse.commands import blind_make, blind_score
 from fvcollapse.commands.parser import add_commands
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `blind` to the commands."""
     parser = commands.add_parser(
         "blind",

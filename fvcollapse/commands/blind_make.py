@@ -1,12 +1,14 @@
 """`blind make`: sealed cases with hidden causes."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_quiet, add_scheduler, add_workers
 from fvcollapse.files.plain_numbers import whole_number
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `blind make` to the commands of `blind`."""
     parser = commands.add_parser("make", help="make sealed cases", description=execute.__doc__)
     parser.add_argument(
@@ -28,7 +30,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Make experiments that hide an effect, two, none, or a cause outside the catalogue; continue them."""
     from fvcollapse.blind.make import make
     from fvcollapse.studies.workers import Resources

@@ -1,11 +1,13 @@
 """`blind score`: the scores of answers to sealed cases."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `blind score` to the commands of `blind`."""
     parser = commands.add_parser("score", help="score answers", description=execute.__doc__)
     parser.add_argument(
@@ -29,7 +31,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Open the seal and score the answers: all scores as JSON, with intervals and baselines."""
     from fvcollapse.output.question import claim_file
 

@@ -1,9 +1,11 @@
 """`cache`: the cache of runs."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `cache` to the commands."""
     parser = commands.add_parser(
         "cache", help="where the cache of runs is, how large; prune it", description=execute.__doc__
@@ -19,7 +21,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Print where finished runs are kept, how many and how large; with --prune remove those of no use."""
     from fvcollapse.studies.cache_size import cache_size, prune
 

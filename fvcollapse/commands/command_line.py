@@ -9,6 +9,7 @@ where nothing can be printed.
 
 import os
 import sys
+from collections.abc import Sequence
 
 from fvcollapse.commands import (
     bench,
@@ -52,17 +53,17 @@ COMMANDS = (
 )
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return its exit status."""
     with ended_at_once(), guarded_streams() as final:
         try:
             status = outcome(argv)
         except SystemExit as end:  # --help and --version
-            status = end.code or 0
+            status = int(end.code or 0)
         return final(status)
 
 
-def outcome(argv):
+def outcome(argv: Sequence[str] | None) -> int:
     """Exit status of one command; an error is one line on stderr."""
     # no command opens a window, whatever the notebooks of the user need
     os.environ["MPLBACKEND"] = "agg"
@@ -80,7 +81,7 @@ def outcome(argv):
         return exit_status(error)
 
 
-def make_parser():
+def make_parser() -> Parser:
     """The parser of all commands; the arguments that it reads hold the function to call as `command`."""
     parser = Parser(
         prog="fvcollapse", description="Granular column collapse on a slope.", epilog=RULE

@@ -2,14 +2,17 @@
 
 import csv
 import io
+from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 TABLE = "differences.csv"
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `compare` to the commands."""
     parser = commands.add_parser(
         "compare",
@@ -25,7 +28,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Compare a run with another run or with an experiment; print the differences, write them and a picture."""
     from fvcollapse.draw.comparison import draw_comparison
     from fvcollapse.measure.comparison import COLUMNS, between_runs, table, to_experiment
@@ -51,13 +54,13 @@ def execute(arguments):
     return 0
 
 
-def named(path):
+def named(path: Path) -> str:
     """Name of a run or an experiment: that of its folder."""
     path = path.resolve()
     return path.parent.name if path.suffix == ".h5" else path.name
 
 
-def write_table(rows, columns, folder):
+def write_table(rows: list, columns: Sequence[str], folder: Path) -> Path:
     """Write the differences as CSV; the path."""
     from fvcollapse.files.atomic import write_atomic
 

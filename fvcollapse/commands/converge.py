@@ -1,12 +1,14 @@
 """`converge`: one case at several values of one numerical parameter."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet, add_workers
 from fvcollapse.files.plain_numbers import decimal_number
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `converge` to the commands."""
     parser = commands.add_parser(
         "converge",
@@ -33,7 +35,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Run a case at three or more values of one parameter; print and write the convergence."""
     from fvcollapse.case.case import load_case
 

@@ -1,7 +1,10 @@
 """`diagnose`: the gap between experiments and a model."""
 
 import textwrap
+from argparse import Namespace
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import (
     add_dry_run,
@@ -14,7 +17,7 @@ from fvcollapse.commands.diagnose_each import diagnose_each
 from fvcollapse.files.plain_numbers import decimal_number, whole_number
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `diagnose` to the commands."""
     parser = commands.add_parser(
         "diagnose",
@@ -39,7 +42,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def add_experiments(parser):
+def add_experiments(parser: Any) -> None:
     """The experiments, the case to compare them with, and the part that each of them has."""
     parser.add_argument(
         "experiments", metavar="EXPERIMENT", nargs="+", type=Path, help="experiment folders"
@@ -65,7 +68,7 @@ def add_experiments(parser):
     )
 
 
-def add_settings(parser):
+def add_settings(parser: Any) -> None:
     """How the experiments are compared."""
     parser.add_argument(
         "--effects", metavar="a,b,...", help="only these of the catalogue; default all"
@@ -84,7 +87,7 @@ def add_settings(parser):
     )
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Compare experiments with a model and its possible effects; continue what is there; write a report."""
     from fvcollapse.diagnosis.report import FILE_NAME
     from fvcollapse.diagnosis.report.page import PAGE
@@ -104,7 +107,7 @@ def execute(arguments):
     return 0
 
 
-def asked(arguments, experiments, folder):
+def asked(arguments: Namespace, experiments: list, folder: Path) -> Any:
     """The report of some experiments, with the settings of the command."""
     from fvcollapse.diagnosis.diagnose import diagnose as diagnose_all
 
@@ -125,13 +128,13 @@ def asked(arguments, experiments, folder):
     )
 
 
-def effects_of(arguments):
+def effects_of(arguments: Namespace) -> list[str] | None:
     """Names of the effects that are to be tried; None for all."""
     effects = arguments.effects
     return None if effects is None else [name.strip() for name in effects.split(",")]
 
 
-def print_answer(report):
+def print_answer(report: Any) -> None:
     """Print the headline, the answer and the probability of every hypothesis."""
     from fvcollapse.diagnosis.report.sentences import answer, headline
 
@@ -144,7 +147,7 @@ def print_answer(report):
         print(f"{name:<{width}}  {chance:6.3f}")
 
 
-def questions(arguments):
+def questions(arguments: Namespace) -> Iterator[Any]:
     """The `Question` of all experiments, or of each one."""
     from fvcollapse.diagnosis.diagnose import ask
 
@@ -160,7 +163,7 @@ def questions(arguments):
         )
 
 
-def print_plan(arguments):
+def print_plan(arguments: Namespace) -> int:
     """Print how many runs there would be, and how long they take; nothing is written."""
     from fvcollapse.diagnosis.plan import plan_diagnosis
 

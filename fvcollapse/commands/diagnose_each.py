@@ -3,7 +3,9 @@
 import csv
 import io
 import sys
-from typing import NamedTuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from fvcollapse.errors import InputError, NumericalError
 
@@ -25,7 +27,7 @@ class SummaryRow(NamedTuple):
     problem: str = ""
 
 
-def diagnose_each(experiments, folder, diagnose, force=False):
+def diagnose_each(experiments: list, folder: Path, diagnose: Callable, force: bool = False) -> int:
     """Diagnose experiments one by one; print and write the table of all answers, after each of them.
 
     Parameters
@@ -70,14 +72,14 @@ def diagnose_each(experiments, folder, diagnose, force=False):
     return 1 if any(row.status == FAILED for row in rows) else 0
 
 
-def named_once(experiments):
+def named_once(experiments: list) -> dict[str, Any]:
     """{name: experiment}; two of one name would write into one folder.
 
     Raises
     ------
     InputError
     """
-    found = {}
+    found: dict[str, Any] = {}
     for one in experiments:
         if one.name in found:
             allowed = f"folders of different names; {found[one.name].folder} has it too"
@@ -86,7 +88,7 @@ def named_once(experiments):
     return found
 
 
-def answered(name, report):
+def answered(name: str, report: Any) -> Any:
     """The row of a report."""
     from fvcollapse.diagnosis.report.sentences import headline
     from fvcollapse.diagnosis.report.standing import standing
@@ -105,7 +107,7 @@ def answered(name, report):
     )
 
 
-def write_summary(rows, folder):
+def write_summary(rows: list, folder: Path) -> Any:
     """Write the rows as CSV."""
     from fvcollapse.files.atomic import write_atomic
 

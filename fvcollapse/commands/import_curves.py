@@ -1,14 +1,16 @@
 """`import-curves`: files of a digitising tool as an experiment folder."""
 
+from argparse import Namespace
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 from fvcollapse.errors import InputError
 from fvcollapse.files.plain_numbers import decimal_number
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `import-curves` to the commands."""
     parser = commands.add_parser(
         "import-curves",
@@ -44,7 +46,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def add_settings(parser):
+def add_settings(parser: Any) -> None:
     """Where a front counts from, and the keys of the new experiment."""
     parser.add_argument(
         "--front-from",
@@ -62,7 +64,7 @@ def add_settings(parser):
     )
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Write digitised curves (x, y; up to three header lines; any column and decimal mark) as an experiment."""
     from fvcollapse.measure.digitised import Units, missing_settings, write_experiment
 
@@ -76,7 +78,7 @@ def execute(arguments):
     return 0
 
 
-def sources_of(arguments):
+def sources_of(arguments: Namespace) -> list:
     """The digitised files that are named, as `Source`s."""
     from fvcollapse.measure.digitised import Source, gate_position
 
@@ -89,7 +91,7 @@ def sources_of(arguments):
     return sources
 
 
-def timed(option, text):
+def timed(option: str, text: str) -> tuple:
     """(path, time [s]) of T=FILE."""
     time, _, path = text.partition("=")
     try:

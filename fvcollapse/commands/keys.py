@@ -1,7 +1,10 @@
 """`keys`: the keys of a case file or an experiment.toml."""
 
+from argparse import Namespace
+from typing import Any
 
-def add_parser(commands):
+
+def add_parser(commands: Any) -> None:
     """Add `keys` to the commands."""
     parser = commands.add_parser(
         "keys", help="list the keys of a case file", description=execute.__doc__
@@ -12,7 +15,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Print every key of the case file with its default, unit, range and meaning."""
     if arguments.experiment:
         from fvcollapse.measure.experiment_keys import describe_keys

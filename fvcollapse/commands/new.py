@@ -1,10 +1,12 @@
 """`new`: commented templates of a case, an experiment, an effect."""
 
+from typing import Any
+
 from fvcollapse.commands import new_case, new_effect, new_experiment
 from fvcollapse.commands.parser import add_commands
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `new` to the commands."""
     parser = commands.add_parser(
         "new",

@@ -1,11 +1,13 @@
 """`new case`: a case file with every key as a comment."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `new case` to the commands of `new`."""
     parser = commands.add_parser(
         "case", help="a case file with every key as a comment", description=execute.__doc__
@@ -15,7 +17,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Write a case file in which every key is a comment with its default, unit, meaning and range."""
     from fvcollapse.case.template import case_template
     from fvcollapse.files.atomic import write_atomic

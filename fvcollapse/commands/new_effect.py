@@ -1,11 +1,13 @@
 """`new effect`: the module of an effect to fill in."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `new effect` to the commands of `new`."""
     parser = commands.add_parser(
         "effect", help="the module of an effect to fill in", description=execute.__doc__
@@ -18,7 +20,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Write NAME.py, an effect that changes one key of the case and can be run as it is; print what follows."""
     from fvcollapse.effects.template import effect_template
     from fvcollapse.files.atomic import write_atomic

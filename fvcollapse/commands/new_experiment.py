@@ -1,11 +1,13 @@
 """`new experiment`: an experiment folder to fill in."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `new experiment` to the commands of `new`."""
     parser = commands.add_parser(
         "experiment", help="an experiment folder to fill in", description=execute.__doc__
@@ -15,7 +17,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Write an experiment.toml with every key as a comment, and name the CSV files that belong beside it."""
     from fvcollapse.files.atomic import write_atomic
     from fvcollapse.files.targets import make_folder

@@ -2,7 +2,9 @@
 
 import argparse
 import sys
+from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import Any
 
 from fvcollapse.errors import InputError, one_line
 
@@ -21,7 +23,7 @@ class Parser(argparse.ArgumentParser):
         strange = [word for word in words if not any(name.startswith(word) for name in known)]
         self.refuse(message, nearest(strange[0], known) if strange else "")
 
-    def refuse(self, found, meant=""):
+    def refuse(self, found: str, meant: str = "") -> None:
         """Refuse the arguments, with what was perhaps meant.
 
         Raises
@@ -51,18 +53,18 @@ class Parser(argparse.ArgumentParser):
             self.refuse(found, nearest(str(value), map(str, action.choices)))
 
 
-def nearest(word, names):
+def nearest(word: str, names: Iterable[str]) -> str:
     """The name most like a word; empty where none is."""
     return next(iter(get_close_matches(word, list(names), n=1, cutoff=LEAST_ALIKE)), "")
 
 
-def add_commands(parser):
+def add_commands(parser: Any) -> Any:
     """The place for the commands of a parser, which without any prints its help."""
     parser.set_defaults(command=lambda arguments: show_help(parser))
     return parser.add_subparsers(title="commands", metavar="COMMAND", dest="name")
 
 
-def show_help(parser):
+def show_help(parser: Any) -> int:
     """Print the help; exit status 0."""
     parser.print_help()
     return 0

@@ -1,16 +1,25 @@
 """`run`: one simulation."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `run` to the commands."""
     parser = commands.add_parser("run", help="run one simulation", description=execute.__doc__)
     add_case(parser)
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, help="result folder; default out/<name of the case>"
+    )
+    parser.add_argument(
+        "--from",
+        dest="deposit",
+        metavar="RUN",
+        type=Path,
+        help="start from the deposit of another run (result.h5, or its folder), without a gate",
     )
     parser.add_argument(
         "--resume",
@@ -23,11 +32,16 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Run one simulation and print its summary."""
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
+    if arguments.deposit is not None:
+        from fvcollapse.output.deposit import from_deposit
+        from fvcollapse.output.result import open_result
+
+        case = from_deposit(open_result(arguments.deposit), case)
     if arguments.dry_run:
         from fvcollapse.studies.estimate import plan_of
 

@@ -1,7 +1,9 @@
 """`sweep`: the product of variations of a case."""
 
 import sys
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import (
     add_case,
@@ -13,7 +15,7 @@ from fvcollapse.commands.arguments import (
 )
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `sweep` to the commands."""
     parser = commands.add_parser(
         "sweep", help="run a case at all combinations of values", description=execute.__doc__
@@ -38,7 +40,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Run a case at all combinations of values; continue what is there; write sweep.csv."""
     from fvcollapse.case.case import load_case
 
@@ -47,7 +49,7 @@ def execute(arguments):
     from fvcollapse.studies.sweep import TABLE, all_points, parse_variation, sweep, table
     from fvcollapse.studies.workers import Resources
 
-    variations = {}
+    variations: dict[str, list] = {}
     for text in arguments.variations:
         key, values = parse_variation(text)
         variations.setdefault(key, []).extend(values)

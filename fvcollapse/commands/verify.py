@@ -1,11 +1,13 @@
 """`verify`: the solver against exact solutions."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `verify` to the commands."""
     parser = commands.add_parser(
         "verify", help="compare the solver with exact solutions", description=execute.__doc__
@@ -25,7 +27,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Solve flows with an exact solution on several grids; print errors and orders (0: all pass)."""
     if arguments.list:
         return print_problems()
@@ -35,7 +37,7 @@ def execute(arguments):
     return 0 if all(row["passed"] for row in rows) else 1
 
 
-def print_problems():
+def print_problems() -> int:
     """Print the name of every problem and the term of the equations that it tests."""
     from fvcollapse.verification.problems.all import PROBLEMS
 

@@ -19,15 +19,17 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from math import inf
+from typing import Any
 
 GRACE = 3.0  # s that a step has to end by itself
 ASKED = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 )
 FROM_OUTSIDE = tuple(number for number in ASKED if number != signal.SIGINT)
-DEAF = set()  # signals that this process leaves to the one that started it
+DEAF: set[int] = set()  # signals that this process leaves to the one that started it
 
 
 class Interrupted(KeyboardInterrupt):
@@ -39,18 +41,20 @@ class Interrupted(KeyboardInterrupt):
         Of the signal.
     """
 
-    def __init__(self, number):
+    def __init__(self, number: int) -> None:
         super().__init__(number)
         self.number = int(number)
 
 
-def exit_status(error):
+def exit_status(error: BaseException) -> int:
     """Exit status after a `KeyboardInterrupt`: 128 plus the number of its signal."""
     return 128 + getattr(error, "number", int(signal.SIGINT))
 
 
 @contextmanager
-def handled(handle, numbers=ASKED):
+def handled(
+    handle: Callable[[int, Any], object], numbers: tuple[int, ...] = ASKED
+) -> Iterator[bool]:
     """Let `handle(number, frame)` answer signals that are not ignored; in the main thread only.
 
     Yields whether it does.
@@ -68,7 +72,7 @@ def handled(handle, numbers=ASKED):
             signal.signal(number, handler)
 
 
-def is_answered(number):
+def is_answered(number: int) -> bool:
     """Whether this process answers a signal."""
     handler = signal.getsignal(number)
     if handler is None or number in DEAF:  # None: somebody answers it who is not of Python
@@ -76,7 +80,7 @@ def is_answered(number):
     return handler != signal.SIG_IGN or number == signal.SIGINT
 
 
-def leave_to_parent(numbers):
+def leave_to_parent(numbers: Iterable[int]) -> None:
     """Ignore signals in this process from now on, whatever it does."""
     DEAF.update(numbers)
     for number in numbers:
@@ -84,7 +88,7 @@ def leave_to_parent(numbers):
 
 
 @contextmanager
-def deferred_interrupt(grace=GRACE):
+def deferred_interrupt(grace: float = GRACE) -> Iterator[Callable[[], int]]:
     """Let Ctrl-C, SIGTERM and SIGHUP wait until they are asked for.
 
     Parameters
@@ -134,21 +138,21 @@ def deferred_interrupt(grace=GRACE):
 class Alarm:
     """The timer of the system, where there is one (not on Windows)."""
 
-    def __init__(self, seconds):
+    def __init__(self, seconds: float) -> None:
         self.seconds = seconds
 
-    def start(self):
+    def start(self) -> None:
         """Let SIGALRM come in `seconds`."""
         if hasattr(signal, "setitimer") and self.seconds < inf:
             signal.setitimer(signal.ITIMER_REAL, self.seconds)
 
-    def stop(self):
+    def stop(self) -> None:
         """Let it not come."""
         if hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     @contextmanager
-    def answered_by(self, handle):
+    def answered_by(self, handle: Callable[[int, Any], object] | None) -> Iterator[None]:
         """Let `handle` answer SIGALRM; None: nobody."""
         if handle is None or not hasattr(signal, "SIGALRM"):
             yield
@@ -162,19 +166,19 @@ class Alarm:
 
 
 @contextmanager
-def raised_interrupt():
+def raised_interrupt() -> Iterator[None]:
     """Let SIGTERM and SIGHUP end what goes on here as Ctrl-C does."""
     with handled(raise_interrupted, FROM_OUTSIDE):
         yield
 
 
-def raise_interrupted(number, frame):
+def raise_interrupted(number: int, frame: object) -> None:
     """Raise `Interrupted`; a handler."""
     raise Interrupted(number)
 
 
 @contextmanager
-def ended_at_once():
+def ended_at_once() -> Iterator[None]:
     """Let SIGTERM and SIGHUP end the process at once, with one word and the status of the signal.
 
     Ctrl-C raises KeyboardInterrupt, as ever.
@@ -186,7 +190,7 @@ def ended_at_once():
         yield
 
 
-def end_at_once(number, frame):
+def end_at_once(number: int, frame: object) -> None:
     """End this process as the signal itself would; a handler."""
     with suppress(OSError, ValueError, RuntimeError):  # what was printed, as far as it can be
         sys.stdout.flush()

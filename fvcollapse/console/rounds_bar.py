@@ -2,8 +2,9 @@
 
 import shutil
 import sys
+from collections.abc import Mapping, Sequence
 
-from fvcollapse.console.bars import tqdm
+from fvcollapse.console.bars import is_shown, tqdm
 
 LAYOUT = "{desc} {percentage:3.0f}% |{bar}| [{elapsed}<{remaining}]"
 
@@ -22,12 +23,13 @@ class RoundsBar:
         No bar.
     """
 
-    def __init__(self, expected, quiet):
+    def __init__(self, expected: Mapping[str, Sequence[float]], quiet: bool) -> None:
         self.expected, self.missing, self.asked = dict(expected), 0.0, 0.0
         self.runs, self.ended, self.cost, self.gone, self.round = 0, 0, 0.0, 0.0, ""
-        self.bar, self.off = None, quiet or not sys.stderr.isatty()
+        self.bar: tqdm | None = None
+        self.off = not is_shown(quiet)
 
-    def begin(self, name, missing, asked):
+    def begin(self, name: str, missing: Sequence[float], asked: float) -> None:
         """Begin a round.
 
         Parameters
@@ -44,24 +46,24 @@ class RoundsBar:
         self.cost += sum(missing)
         self.show()
 
-    def end_run(self, cost):
+    def end_run(self, cost: float) -> None:
         """Count a run that has ended, of this cost."""
         self.gone, self.ended = self.gone + cost, self.ended + 1
         self.show()
 
-    def close(self):
+    def close(self) -> None:
         """Leave the bar as it is."""
         if self.bar is not None:
             self.bar.close()
 
     @property
-    def later(self):
+    def later(self) -> tuple[int, float]:
         """(number of runs, their cost) that are expected of the rounds to come."""
         share = self.missing / self.asked if self.asked else 0.0
         costs = [cost for round_costs in self.expected.values() for cost in round_costs]
         return round(share * len(costs)), share * sum(costs)
 
-    def show(self):
+    def show(self) -> None:
         """Draw the bar as it is now; nothing before the first run that is missing."""
         if self.off or not self.runs:
             return

@@ -9,14 +9,16 @@ not have are written as their code.
 import codecs
 import os
 import sys
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 from fvcollapse.errors import OutputError
 
 LETTERS = "fvcollapse-letters"  # name of the way in which unknown letters are written
 
 
-def write_code(error):
+def write_code(error: UnicodeError) -> tuple[str | bytes, int]:
     """Bytes of a file name as they are, other letters as their code; a handler of codecs."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
@@ -37,29 +39,30 @@ class Guarded:
     stream : text stream
     """
 
-    def __init__(self, stream):
-        self.stream, self.problem, self.dropped = stream, None, False
+    def __init__(self, stream: Any) -> None:
+        self.stream, self.dropped = stream, False
+        self.problem: OSError | None = None
 
     def __getattr__(self, name):
         return getattr(self.stream, name)
 
-    def write(self, text):
+    def write(self, text: str) -> int:
         """Write, or drop the text once the stream has failed."""
         if not self.dropped:
             self.attempt(self.stream.write, text)
         return len(text)
 
-    def writelines(self, lines):
+    def writelines(self, lines: Iterable[str]) -> None:
         """Write several texts."""
         for line in lines:
             self.write(line)
 
-    def flush(self):
+    def flush(self) -> None:
         """Write what waits to be written."""
         if not self.dropped:
             self.attempt(self.stream.flush)
 
-    def attempt(self, action, *arguments):
+    def attempt(self, action: Callable, *arguments: object) -> None:
         """Do it; after a failure everything is dropped, also what waits in the stream itself."""
         try:
             action(*arguments)
@@ -69,7 +72,7 @@ class Guarded:
             self.problem = error
             self.drop()
 
-    def drop(self):
+    def drop(self) -> None:
         """Send what is still to come nowhere."""
         self.dropped = True
         with suppress(OSError, ValueError):
@@ -79,7 +82,7 @@ class Guarded:
 
 
 @contextmanager
-def guarded_streams():
+def guarded_streams() -> Iterator[Callable[[int], int]]:
     """Guard stdout and stderr while a command runs.
 
     Yields
@@ -108,7 +111,7 @@ def guarded_streams():
         sys.stdout, sys.stderr = before
 
 
-def occupy_closed_handles():
+def occupy_closed_handles() -> None:
     """Open the first three handles that are closed: a result must not become the standard output."""
     for handle in range(3):
         try:
@@ -117,7 +120,7 @@ def occupy_closed_handles():
             os.open(os.devnull, os.O_RDWR)  # takes the lowest that is free
 
 
-def opened(stream):
+def opened(stream: Any) -> Any:
     """The stream, with a way to write every letter; one that goes nowhere for one that is closed."""
     if stream is None:
         return open(os.devnull, "w", encoding="utf-8", errors=LETTERS)

@@ -1,18 +1,36 @@
 """A run over another run, or over an experiment: front over time, and profiles at some times."""
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from fvcollapse.draw.drawing import BLUE, ORANGE, WIDTH, new_figure, png
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import as_grid, on_points
 from fvcollapse.measure.observables import observe
 
+if TYPE_CHECKING:
+    from fvcollapse.measure.curves import Curve
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
+    from fvcollapse.output.result import Result
+
+
 PICTURE = "comparison.png"
 MOMENTS = 4  # profiles
 CENTIMETRES = 100.0
 
 
-def draw_comparison(folder, names, result, other=None, experiment=None):
+def draw_comparison(
+    folder: Path,
+    names: Sequence[str],
+    result: "Result",
+    other: "Result | None" = None,
+    experiment: "Experiment | None" = None,
+) -> Path:
     """Write the overlay as a picture; its path.
 
     Parameters
@@ -38,7 +56,13 @@ def draw_comparison(folder, names, result, other=None, experiment=None):
     return path
 
 
-def draw_front(axes, names, first, second, measured):
+def draw_front(
+    axes: Axes,
+    names: Sequence[str],
+    first: "Observations",
+    second: "Observations | None",
+    measured: "Curve | None",
+) -> None:
     """Front over time."""
     axes.plot(first.front[:, 0], CENTIMETRES * first.front[:, 1], color=BLUE, label=names[0])
     if second is not None:
@@ -52,12 +76,14 @@ def draw_front(axes, names, first, second, measured):
     axes.legend(frameon=False)
 
 
-def scaled(curve):
+def scaled(curve: "Curve") -> tuple[np.ndarray, np.ndarray]:
     """Values and standard deviations in cm."""
     return CENTIMETRES * curve.value, CENTIMETRES * curve.sigma
 
 
-def draw_profiles(panels, first, second, measured):
+def draw_profiles(
+    panels: list, first: "Observations", second: "Observations | None", measured: "Curve | None"
+) -> None:
     """Thickness over X, one panel for each time: those measured, else spread over the run."""
     grid = as_grid(first.profiles)
     times = grid[0] if measured is None else np.unique(measured.time)
@@ -66,7 +92,7 @@ def draw_profiles(panels, first, second, measured):
         draw_profile(axes, grid, moment, color=BLUE)
         if second is not None:
             draw_profile(axes, as_grid(second.profiles), moment, color=ORANGE, ls="--")
-        if measured is not None:
+        if measured is not None and measured.x is not None:
             here = measured.time == moment
             values, sigma = scaled(measured)
             place = CENTIMETRES * measured.x[here]
@@ -75,8 +101,8 @@ def draw_profiles(panels, first, second, measured):
     panels[0].set_ylabel("thickness (cm)")
 
 
-def draw_profile(axes, grid, moment, **style):
+def draw_profile(axes: Axes, grid: tuple, moment: float, **style: Any) -> None:
     """The profile of a run at one time."""
     x = grid[1]
-    values = on_points(*grid, np.full(len(x), moment), x)
+    values = on_points(grid[0], x, grid[2], np.full(len(x), moment), x)
     axes.plot(CENTIMETRES * x, CENTIMETRES * values, **style)

@@ -19,7 +19,9 @@ PREFIX, SUFFIX = ".fvcollapse-", ".tmp"  # of temporary files
 USUAL = 0o666  # permissions of a file that is not private, before the mask of the process
 
 
-def write_atomic(path, data, running=True, private=False):
+def write_atomic(
+    path: str | Path, data: bytes, running: bool = True, private: bool = False
+) -> None:
     """Put `data` (bytes) at `path`: on the disk on return, previous file untouched on failure.
 
     Parameters
@@ -59,7 +61,7 @@ def write_atomic(path, data, running=True, private=False):
         raise OutputError(path, error, running) from None
 
 
-def locked_temporary(folder):
+def locked_temporary(folder: Path) -> tuple[int, str]:
     """(handle, path) of a new temporary file in a folder that this process has locked, if it can."""
     while True:
         handle, name = tempfile.mkstemp(SUFFIX, PREFIX, folder)
@@ -72,7 +74,7 @@ def locked_temporary(folder):
         os.close(handle)  # another process took it for one that was left, and removed it
 
 
-def remove_stale(folder):
+def remove_stale(folder: str | Path) -> None:
     """Remove the temporary files in a folder whose writer is dead; those of living ones are locked."""
     if fcntl is None:  # on Windows, where nobody can tell whether a writer lives
         return
@@ -86,7 +88,7 @@ def remove_stale(folder):
                 os.close(handle)
 
 
-def still_there(handle, name):
+def still_there(handle: int, name: str) -> bool:
     """Whether a name is still that of the open file."""
     try:
         return os.path.samestat(os.fstat(handle), os.stat(name, follow_symlinks=False))
@@ -94,7 +96,7 @@ def still_there(handle, name):
         return False
 
 
-def mask_of_process():
+def mask_of_process() -> int:
     """Permissions that new files of this process do not get; read without changing it where possible."""
     with suppress(OSError, ValueError), open("/proc/self/status", encoding="ascii") as file:
         for line in file:
@@ -105,7 +107,7 @@ def mask_of_process():
     return mask
 
 
-def sync_folder(folder):
+def sync_folder(folder: str | Path) -> None:
     """Force the names in a folder to the disk, where the system can."""
     if os.name == "posix":
         handle = os.open(folder, os.O_RDONLY)

@@ -1,11 +1,14 @@
 """HDF5 files: built in memory, and read without trust. Nothing is ever unpickled."""
 
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fvcollapse.errors import InputError, UnreadableError
 from fvcollapse.files.hdf5_safety import unsafe_items
@@ -27,13 +30,13 @@ BROKEN = (
 )
 
 
-def memory_file(libver=LIBVER):
+def memory_file(libver: tuple[str, str] = LIBVER) -> h5py.File:
     """A new HDF5 file that lives in memory only."""
     name = f"fvcollapse-memory-{next(MEMORY_FILES)}"  # HDF5 tells open files apart by name
     return h5py.File(name, "w", driver="core", backing_store=False, libver=libver)
 
 
-def build_image(fill, libver=LIBVER):
+def build_image(fill: Callable[[h5py.File], object], libver: tuple[str, str] = LIBVER) -> bytes:
     """Bytes of the HDF5 file that `fill(file)` writes."""
     with memory_file(libver) as file:
         fill(file)
@@ -41,7 +44,9 @@ def build_image(fill, libver=LIBVER):
         return file.id.get_file_image()
 
 
-def write_dataset(group, name, values, units, description):
+def write_dataset(
+    group: h5py.Group, name: str, values: ArrayLike, units: str, description: str
+) -> None:
     """Store an array, compressed if it has more than one value, with its units and meaning."""
     values = np.asarray(values)
     options = (
@@ -53,7 +58,7 @@ def write_dataset(group, name, values, units, description):
 
 
 @contextmanager
-def reading(source, kind, part="/"):
+def reading(source: Any, kind: str, part: str = "/") -> Iterator[h5py.File]:
     """Open an HDF5 `source` (path, or image in memory) of format `kind`; any defect is one InputError.
 
     Whatever leads out of the file is refused (see `hdf5_safety`) in the group `part` that will be read.
@@ -80,7 +85,7 @@ def reading(source, kind, part="/"):
         raise InputError(name, "file", "a broken or truncated file", allowed) from None
 
 
-def text_attribute(file, name):
+def text_attribute(file: h5py.File, name: str) -> str:
     """A root attribute that must be text."""
     value = file.attrs[name]
     if not isinstance(value, str) or not is_text(value):
@@ -90,6 +95,6 @@ def text_attribute(file, name):
     return value
 
 
-def name_of(file):
+def name_of(file: h5py.File) -> str:
     """Path of an open HDF5 file, as errors give it."""
     return "a file in memory" if file.driver == "fileobj" else file.filename

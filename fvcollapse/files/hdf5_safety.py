@@ -5,14 +5,16 @@ elsewhere could so show what its reader may read. Nothing that fvcollapse writes
 """
 
 import math
+from collections.abc import Iterator
 
+import h5py
 from h5py import h5d, h5g, h5l, h5o
 
 DEFLATE_MOST = 1100  # bytes that one byte of compressed data can stand for, at most 1032
 FREE = 65536  # bytes that a data set without data may claim: values that were never written
 
 
-def unsafe_items(file, part="/"):
+def unsafe_items(file: h5py.File, part: str = "/") -> Iterator[tuple[str, str, str]]:
     """(path, what was found, what is allowed) of everything that leads out of a file or cannot be in it.
 
     Parameters
@@ -53,17 +55,17 @@ def unsafe_items(file, part="/"):
                 yield from unsafe_storage(text_of(path), item)
 
 
-def is_inside(group, name):
+def is_inside(group: h5g.GroupID, name: bytes) -> bool:
     """Whether an item is stored there, not linked to from there."""
     return group.links.exists(name) and group.links.get_info(name).type == h5l.TYPE_HARD
 
 
-def text_of(path):
+def text_of(path: bytes) -> str:
     """A path in a file as it is printed."""
     return path.decode("utf-8", "surrogateescape")
 
 
-def unsafe_storage(path, dataset):
+def unsafe_storage(path: str, dataset: h5d.DatasetID) -> Iterator[tuple[str, str, str]]:
     """The same for one data set (a `DatasetID`)."""
     properties = dataset.get_create_plist()
     size = math.prod(dataset.shape or ()) * dataset.dtype.itemsize

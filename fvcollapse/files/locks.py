@@ -1,7 +1,9 @@
 """Locks between processes: one process at a time holds a file, and the system frees it when that process dies."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -10,13 +12,13 @@ from fvcollapse.errors import InputError, OutputError
 try:
     import fcntl
 except ImportError:  # not on Windows
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]
 
 LOCK = "lock"  # name of the lock file of a folder; it stays there, and is empty
 
 
 @contextmanager
-def exclusive(path, wait=True):
+def exclusive(path: Path, wait: bool = True) -> Iterator[None]:
     """Hold the lock file at `path`, made with its folder if need be.
 
     Parameters
@@ -48,7 +50,7 @@ def exclusive(path, wait=True):
         lock.release()
 
 
-def try_lock(handle):
+def try_lock(handle: Any) -> bool:
     """Whether this process now holds an open file; always where the system has no locks (Windows).
 
     Parameters

@@ -11,7 +11,7 @@ DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 DIGITS_MAX = 4000  # Python refuses to read longer whole numbers
 
 
-def decimal_number(text):
+def decimal_number(text: str) -> float:
     """The number in a text of ASCII digits, blanks around it allowed.
 
     The result is infinite where the text names a number beyond 1.8e308.
@@ -26,7 +26,7 @@ def decimal_number(text):
     return float(text)
 
 
-def whole_number(text):
+def whole_number(text: str) -> int:
     """The whole number in a text of ASCII digits, blanks around it allowed.
 
     Raises

@@ -18,14 +18,14 @@ SPECIAL = {
 }
 
 
-def refuse_special(path):
+def refuse_special(path: str | Path) -> None:
     """Raise OSError if `path` is missing, or is neither a file nor a folder."""
     kind = SPECIAL.get(stat.S_IFMT(os.stat(path).st_mode))
     if kind is not None:
         raise OSError(EINVAL, f"{kind}, not a regular file")
 
 
-def refuse_unreadable(path, allowed):
+def refuse_unreadable(path: str | Path, allowed: str) -> None:
     """Refuse a path at which no readable file is.
 
     Parameters
@@ -49,7 +49,7 @@ def refuse_unreadable(path, allowed):
         raise refusal(path, "file", problem, allowed) from None
 
 
-def read_regular(path):
+def read_regular(path: str | Path) -> bytes:
     """Bytes of a regular file; links are followed.
 
     Raises

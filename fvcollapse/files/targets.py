@@ -16,7 +16,7 @@ NAME_MAX = 255  # bytes of a file name, of every usual file system
 ELSEWHERE = "another place, or --force"  # allowed where other results are in the way
 
 
-def make_folder(folder, *names, mode=0o777):
+def make_folder(folder: str | Path, *names: str, mode: int = 0o777) -> Path:
     """Make a folder if need be, and prove that files can be written into it.
 
     Parameters
@@ -50,7 +50,7 @@ def make_folder(folder, *names, mode=0o777):
     return folder
 
 
-def refuse_bad_target(path):
+def refuse_bad_target(path: str | Path | None) -> None:
     """Refuse a file that cannot be written; None, which stands for no file, is accepted.
 
     An existing file or link may be replaced; a folder, a device or a pipe may not.
@@ -76,7 +76,7 @@ def refuse_bad_target(path):
     raise OutputError(path, found, running=False)
 
 
-def is_there(path):
+def is_there(path: str | Path) -> bool:
     """Whether a file or folder exists at a place where something is to be written.
 
     Raises
@@ -93,7 +93,7 @@ def is_there(path):
     return True
 
 
-def kind_of(path):
+def kind_of(path: str | Path) -> int | None:
     """Mode of what is at a path, of a link itself; None if there is nothing."""
     try:
         return os.lstat(path).st_mode
@@ -101,7 +101,7 @@ def kind_of(path):
         return None
 
 
-def prove(path):
+def prove(path: Path) -> None:
     """Make and remove a temporary file beside a path, as writing it will.
 
     Raises
@@ -117,12 +117,12 @@ def prove(path):
     os.unlink(temporary)
 
 
-def has_contents(path, data):
+def has_contents(path: str | Path, data: bytes | None) -> bool:
     """Whether a file holds these bytes (None: never)."""
     return data is not None and read_or_none(path) == data
 
 
-def read_or_none(path):
+def read_or_none(path: str | Path) -> bytes | None:
     """The bytes of a file, None if it cannot be read."""
     try:
         return Path(path).read_bytes()

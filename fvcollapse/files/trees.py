@@ -5,6 +5,7 @@ break what comes later, far from the input. `tree_problems` finds them without r
 """
 
 import re
+from collections.abc import Iterable, Iterator
 
 SURROGATE = re.compile("[\ud800-\udfff]")
 DEPTH_MAX = 20  # levels; the deepest file that the package writes has ten
@@ -12,12 +13,12 @@ DEPTH_MAX = 20  # levels; the deepest file that the package writes has ten
 ENDLESS_NAME = re.compile(r"""(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){50}""")
 
 
-def is_text(word):
+def is_text(word: str) -> bool:
     """Whether a string can be written as UTF-8: it holds no lone surrogates."""
     return SURROGATE.search(word) is None
 
 
-def is_deep(tree):
+def is_deep(tree: object) -> bool:
     """Whether lists and tables are nested deeper than `DEPTH_MAX` levels."""
     level = [tree]
     for _ in range(DEPTH_MAX + 1):
@@ -25,14 +26,14 @@ def is_deep(tree):
     return bool(level)
 
 
-def parts(node):
+def parts(node: object) -> Iterable:
     """What is inside a list or a table; nothing for other values."""
     if isinstance(node, dict):
         return node.values()
     return node if isinstance(node, list | tuple) else ()
 
 
-def tree_problems(table):
+def tree_problems(table: dict) -> Iterator[tuple[str, str, str]]:
     """(key, what was found, what is allowed) of everything in a table that no later step can take.
 
     Parameters

@@ -6,11 +6,19 @@ measurement, and every pair gets its units and standard deviation. Gap = simulat
 """
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fvcollapse.errors import InputError
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.curves import Scalar
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
+
 
 SAME_TIME = 1.0e-9  # s
 
@@ -40,7 +48,7 @@ class Aligned:
     kind: str = "value"
 
     @property
-    def gap(self):
+    def gap(self) -> np.ndarray:
         """Simulated - measured, (n,); of a bound only what is beyond it."""
         difference = self.simulated - self.measured
         if self.kind == "upper":
@@ -50,7 +58,7 @@ class Aligned:
         return difference
 
 
-def align(observations, experiment):
+def align(observations: "Observations", experiment: "Experiment") -> list[Aligned]:
     """Every observable that was measured, on the points of the measurement.
 
     Parameters
@@ -76,7 +84,7 @@ def align(observations, experiment):
     return curves + [align_scalar(observations, scalar) for scalar in experiment.scalars]
 
 
-def refuse_uncovered(observations, path, last):
+def refuse_uncovered(observations: "Observations", path: str | Path, last: float) -> None:
     """Refuse a measured time that a simulation in motion does not reach."""
     end = observations.front[-1, 0]
     if last > end + SAME_TIME and observations.scalars["time_stop"] is None:
@@ -84,7 +92,7 @@ def refuse_uncovered(observations, path, last):
         raise InputError(path, "t_s", f"{last:g}", limit)
 
 
-def align_curve(observations, experiment, name):
+def align_curve(observations: "Observations", experiment: "Experiment", name: str) -> Aligned:
     """One measured curve beside the simulated one."""
     curve = experiment.curves[name]
     rows = getattr(observations, name)
@@ -97,13 +105,15 @@ def align_curve(observations, experiment, name):
     return Aligned(name, unit, curve.time, place, curve.value, simulated, curve.sigma)
 
 
-def as_grid(rows):
+def as_grid(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(time (m,), x (nx,), values (m, nx)) of profiles in rows (time, x, value)."""
     width = int(np.count_nonzero(rows[:, 0] == rows[0, 0]))
     return rows[::width, 0], rows[:width, 1], rows[:, 2].reshape(-1, width)
 
 
-def on_points(time, x, values, at_time, at_x):
+def on_points(
+    time: np.ndarray, x: np.ndarray, values: np.ndarray, at_time: np.ndarray, at_x: np.ndarray
+) -> np.ndarray:
     """Profiles interpolated linearly in time and along the bed, (n,).
 
     Before the first time and after the last one the nearest profile holds; beyond the last x there
@@ -128,7 +138,7 @@ def on_points(time, x, values, at_time, at_x):
     return found
 
 
-def align_scalar(observations, scalar):
+def align_scalar(observations: "Observations", scalar: "Scalar") -> Aligned:
     """One measured number beside the simulated one."""
     simulated = observations.scalars[scalar.name]
     if simulated is None:  # still moving: it stops at the end of the run at the earliest

@@ -1,7 +1,8 @@
 """A run beside another run, or beside an experiment: the differences of all observables."""
 
+from collections.abc import Sequence
 from math import isclose
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -9,6 +10,12 @@ from fvcollapse.errors import InputError
 from fvcollapse.measure.align import align, as_grid, on_points
 from fvcollapse.measure.observables import observe
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
+    from fvcollapse.output.result import Result
+
 
 COLUMNS = ("observable", "unit", "first", "second", "difference", "uncertainty")
 RUNOUTS = ("runout_10mm", "runout_1mm", "x_99")  # of the series, beside the observables
@@ -38,7 +45,7 @@ class Difference(NamedTuple):
     uncertainty: float | None = None
 
 
-def between_runs(first, second):
+def between_runs(first: "Result", second: "Result") -> list[Difference]:
     """The `Difference` list of two `Result`s, on the times of the second one that both cover."""
     seen = [observe(result) for result in (first, second)]
     rows = [
@@ -52,13 +59,13 @@ def between_runs(first, second):
     return rows + [curve(name, *seen) for name in CURVES]
 
 
-def numbers(name, unit, first, second):
+def numbers(name: str, unit: str, first: float | None, second: float | None) -> Difference:
     """The row of two numbers."""
     difference = None if first is None or second is None else first - second
     return Difference(name, unit, first, second, difference)
 
 
-def curve(name, first, second):
+def curve(name: str, first: "Observations", second: "Observations") -> Difference:
     """The row of a curve of two `Observations`."""
     one, other = getattr(first, name), getattr(second, name)
     common = other[other[:, 0] <= one[-1, 0]]
@@ -69,7 +76,7 @@ def curve(name, first, second):
     return Difference(f"{RMS}{name}", CURVES[name].unit, None, None, rms(values - common[:, -1]))
 
 
-def to_experiment(result, experiment):
+def to_experiment(result: "Result", experiment: "Experiment") -> list[Difference]:
     """The `Difference` list of a `Result` and an `Experiment`, on the measured points.
 
     Raises
@@ -89,24 +96,24 @@ def to_experiment(result, experiment):
     return rows
 
 
-def refuse_other_set_up(result, experiment):
+def refuse_other_set_up(result: "Result", experiment: "Experiment") -> None:
     """Refuse a run whose slope or column is not that of the experiment."""
     for name in ("slope_angle_deg", "height_0", "length_0"):
         stated = getattr(experiment.settings.geometry, name)
         given = getattr(result.case.geometry, name)
         if not isclose(stated, given, rel_tol=SAME):
             allowed = f"{stated:g}, as {experiment.name} has it"
-            raise InputError(result.path, f"geometry.{name}", f"{given:g}", allowed)
+            raise InputError(result.path or "result", f"geometry.{name}", f"{given:g}", allowed)
 
 
-def rms(values):
+def rms(values: np.ndarray) -> float:
     """Root mean square; NaN of none."""
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
 
 
-def table(rows, names):
+def table(rows: list[Difference], names: Sequence[str]) -> str:
     """The rows as aligned plain text; `names` are those of the first and of the second."""
-    cells = [("", "unit", *names, "difference", "uncertainty")]
+    cells: list[tuple[str, ...]] = [("", "unit", *names, "difference", "uncertainty")]
     cells += [
         (row.observable.replace("_", " "), row.unit, *(shown(value) for value in row[2:]))
         for row in rows
@@ -122,6 +129,6 @@ def table(rows, names):
     return "\n".join(lines)
 
 
-def shown(value):
+def shown(value: float | None) -> str:
     """A number in four digits; a dash for none."""
     return "-" if value is None else f"{value:.4g}"

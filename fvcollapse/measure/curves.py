@@ -6,7 +6,9 @@ allowed.
 
 import csv
 import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +45,7 @@ class Scalar(NamedTuple):
     kind: str
 
 
-def read_curve(path, name, sigma):
+def read_curve(path: Path, name: str, sigma: float) -> Curve:
     """The curve in a CSV file.
 
     Parameters
@@ -82,7 +84,9 @@ def read_curve(path, name, sigma):
     return Curve(time, places[0] if places else None, value, spread)
 
 
-def read_scalars(path, units, default):
+def read_scalars(
+    path: Path, units: Mapping[str, str], default: Callable[[str], float]
+) -> tuple[Scalar, ...]:
     """The scalars in a CSV file, as a tuple of `Scalar`.
 
     An empty `kind` is "value"; an empty `sigma` takes the default.
@@ -111,7 +115,13 @@ def read_scalars(path, units, default):
     return tuple(scalars)
 
 
-def scalar(path, line, row, units, default):
+def scalar(
+    path: Path,
+    line: int,
+    row: Mapping[str, str],
+    units: Mapping[str, str],
+    default: Callable[[str], float],
+) -> Scalar:
     """The `Scalar` of one row."""
     name, kind = row["name"], row.get("kind") or "value"
     if name not in units:
@@ -120,14 +130,16 @@ def scalar(path, line, row, units, default):
     if kind not in KINDS:
         refuse(path, "kind", repr(kind), line, " or ".join(KINDS))
     value = number(path, "value", line, row["value"])
-    sigma = row.get("sigma")
-    sigma = number(path, "sigma", line, sigma) if sigma else default(name)
+    stated = row.get("sigma")
+    sigma = number(path, "sigma", line, stated) if stated else default(name)
     if sigma <= 0.0:
         refuse(path, "sigma", f"{sigma:g}", line, "a number > 0")
     return Scalar(name, value, sigma, kind)
 
 
-def read_rows(path, required, optional):
+def read_rows(
+    path: Path, required: Sequence[str], optional: Sequence[str]
+) -> tuple[list[int], list[str], list[list[str]]]:
     """Line numbers, header and rows of a CSV file; every row has as many cells as the header."""
     try:
         reader = csv.reader(io.StringIO(read_text(path, "CSV"), newline=""), strict=True)
@@ -146,7 +158,9 @@ def read_rows(path, required, optional):
     return [line for line, _ in body], header, [row for _, row in body]
 
 
-def check_header(path, header, required, optional):
+def check_header(
+    path: Path, header: list[str], required: Sequence[str], optional: Sequence[str]
+) -> None:
     """Refuse a header with a column that is unknown, missing or there twice."""
     for name in header:
         if name not in (*required, *optional):
@@ -161,7 +175,7 @@ def check_header(path, header, required, optional):
             raise InputError(path, name, "no such column in the header", allowed)
 
 
-def number(path, column, line, text):
+def number(path: Path, column: str, line: int, text: str) -> float:
     """A finite number."""
     try:
         value = decimal_number(text)
@@ -172,7 +186,9 @@ def number(path, column, line, text):
     return value
 
 
-def refuse_disorder(path, columns, time, places, lines):
+def refuse_disorder(
+    path: Path, columns: Sequence[str], time: np.ndarray, places: list[np.ndarray], lines: list[int]
+) -> None:
     """Refuse times, or abscissae within one time, that do not increase."""
     steps = np.diff(time)
     bad = steps < 0.0 if places else steps <= 0.0
@@ -189,12 +205,12 @@ def refuse_disorder(path, columns, time, places, lines):
     refuse(path, column, found, lines[row + 1], allowed)
 
 
-def refuse(path, column, found, line, allowed):
+def refuse(path: Path, column: str, found: str, line: int, allowed: str) -> None:
     """Raise the InputError of one line of a CSV file."""
     raise InputError(path, column, f"{found} in line {line}", allowed)
 
 
-def curve_text(name, rows):
+def curve_text(name: str, rows: np.ndarray) -> str:
     """CSV text of a curve: rows (time, value) or (time, x, value).
 
     Parameters
@@ -207,13 +223,13 @@ def curve_text(name, rows):
     return csv_text(CURVES[name].columns, [[f"{value:.7g}" for value in row] for row in rows])
 
 
-def scalars_text(scalars):
+def scalars_text(scalars: Iterable[Scalar]) -> str:
     """CSV text of scalars."""
     rows = [[each.name, f"{each.value:.7g}", f"{each.sigma:.7g}", each.kind] for each in scalars]
     return csv_text(SCALAR_COLUMNS, rows)
 
 
-def csv_text(header, rows):
+def csv_text(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """CSV text with a header line."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -1,8 +1,9 @@
 """Curves from digitising tools (x, y in columns, one file per curve) as an experiment folder."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -57,12 +58,18 @@ class Units(NamedTuple):
     time: str = "s"
     ratio: str = "1"
 
-    def factors(self):
+    def factors(self) -> tuple[float, float, float]:
         """Factors that take length, time and ratio to SI units."""
         return LENGTHS[self.length], TIMES[self.time], RATIOS[self.ratio]
 
 
-def write_experiment(sources, folder, units=Units(), settings=(), force=False):  # noqa: B008 (immutable)
+def write_experiment(
+    sources: Sequence[Source],
+    folder: Path,
+    units: Units = Units(),  # noqa: B008 (immutable)
+    settings: Sequence[str] = (),
+    force: bool = False,
+) -> Any:
     """Write digitised curves into an experiment folder.
 
     Parameters
@@ -104,13 +111,13 @@ def write_experiment(sources, folder, units=Units(), settings=(), force=False): 
     return [folder / name for name in texts]
 
 
-def refuse_unfit(texts, folder):
+def refuse_unfit(texts: Mapping[str, str], folder: Path) -> None:
     """Refuse files that could not be read again, or that no collapse can show, before they are written.
 
     Without slope and column only the form of the curves is looked at.
     """
-    with TemporaryDirectory() as trial:
-        trial = Path(trial)
+    with TemporaryDirectory() as made:
+        trial = Path(made)
         for name, text in texts.items():
             (trial / name).write_text(text, encoding="utf-8")
         if SETTINGS not in texts:
@@ -126,7 +133,7 @@ def refuse_unfit(texts, folder):
             raise InputError(file, error.key, error.found, error.allowed) from None
 
 
-def write_all(texts, folder):
+def write_all(texts: Mapping[str, str], folder: Path) -> None:
     """Write the files of an experiment, {name: text}, all of them or none."""
     new, written = not folder.exists(), []
     make_folder(folder)
@@ -142,9 +149,11 @@ def write_all(texts, folder):
         raise
 
 
-def curve_texts(sources, length, time, ratio):
+def curve_texts(
+    sources: Sequence[Source], length: float, time: float, ratio: float
+) -> dict[str, str]:
     """{name of the curve: CSV text} of digitised files; the factors take them to SI units."""
-    blocks = {}
+    blocks: dict = {}
     for source in sorted(sources, key=lambda source: source.time or 0.0):
         x, y = read_pairs(source.path).T
         if not CURVES[source.name].is_profile:  # profiles are one file per instant
@@ -166,7 +175,7 @@ def curve_texts(sources, length, time, ratio):
     }
 
 
-def read_pairs(path):
+def read_pairs(path: Path) -> np.ndarray:
     """Pairs of a digitised file in order of their abscissa, (n, 2).
 
     Points with the same abscissa (a point clicked twice) become their mean.
@@ -179,15 +188,15 @@ def read_pairs(path):
     return merge_repeats(np.array(sorted(read_table(path))))
 
 
-def merge_repeats(pairs):
+def merge_repeats(pairs: np.ndarray) -> np.ndarray:
     """The pairs, those of one abscissa replaced by their mean."""
     x, where, count = np.unique(pairs[:, 0], return_inverse=True, return_counts=True)
     return np.column_stack([x, np.bincount(where, pairs[:, 1]) / count])
 
 
-def settings_text(settings, path):
+def settings_text(settings: Sequence[str], path: str | Path) -> str:
     """Text of a new `experiment.toml`: what is known, and as comments the keys that are not."""
-    table = {}
+    table: dict[str, Any] = {}
     for setting in settings:
         if not is_utf8(setting):
             raise InputError(
@@ -216,12 +225,12 @@ def settings_text(settings, path):
     return "# What was not measured stays a comment.\n\n" + "\n".join(lines) + "\n"
 
 
-def is_utf8(text):
+def is_utf8(text: str) -> bool:
     """Whether a word of the command line was UTF-8: other bytes arrive as lone surrogates."""
     return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
-def missing_settings(folder):
+def missing_settings(folder: Path) -> str:
     """What an experiment folder still lacks to be read, as one line; "" if nothing."""
     path = Path(folder) / SETTINGS
     absent = [key for key, *_ in rule_required(read_draft(path))]
@@ -234,7 +243,7 @@ def missing_settings(folder):
     return ""
 
 
-def gate_position(settings, folder):
+def gate_position(settings: Sequence[str], folder: Path) -> float:
     """Distance of the gate from the back wall, geometry.length_0 [m], of new settings or of the folder.
 
     Raises

@@ -10,7 +10,8 @@ import csv
 import re
 from codecs import BOM_UTF8
 from math import isfinite
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from fvcollapse.case.grammar import decode_text, read_bytes
 from fvcollapse.errors import InputError
@@ -62,7 +63,7 @@ class Table(NamedTuple):
     rows: list
     stopped: tuple | None
 
-    def columns(self):
+    def columns(self) -> list[int]:
         """Indices of the columns that hold a number anywhere."""
         width = max((len(cells) for _, _, cells in self.rows), default=0)
         return [
@@ -72,7 +73,7 @@ class Table(NamedTuple):
         ]
 
 
-def read_table(path):
+def read_table(path: Path) -> list[tuple[float, float]]:
     """Pairs (x, y) in the order of the file, a list of tuples.
 
     Empty lines, lines that begin with #, up to three lines of words above the numbers, and columns without a
@@ -101,23 +102,24 @@ def read_table(path):
     raise refusal(path, tables, styles)
 
 
-def lines_of(path):
+def lines_of(path: Path) -> tuple[list[tuple[int, str]], Any]:
     """([(number, line)] without empty lines and comments, the styles in which they may be)."""
     data = read_bytes(path, "two-column")
     for mark, kind in OTHER.items():
         if data.removeprefix(BOM_UTF8).lstrip().startswith(mark):
             raise InputError(path, "file", kind, f"{EXPORT}, in UTF-8")
-    lines = enumerate(decode_text(data, path).splitlines(), start=1)
-    lines = [(at, line) for at, line in lines if line.strip() and line.strip()[0] != "#"]
+    numbered = enumerate(decode_text(data, path).splitlines(), start=1)
+    lines = [(at, line) for at, line in numbered if line.strip() and line.strip()[0] != "#"]
     separator = SEPARATOR.fullmatch(lines[0][1]) if lines else None
     if separator:
         return lines[1:], ((separator[1], "."), (separator[1], ","))
     return lines, STYLES
 
 
-def table_in(lines, between, decimal):
+def table_in(lines: list[tuple[int, str]], between: str | None, decimal: str) -> Table:
     """The `Table` of lines whose columns and decimals have these marks."""
-    header, rows = [], []
+    header: list = []
+    rows: list = []
     for at, line in lines:
         cells = cells_of(line, between)
         numbers = numbers_of(cells, decimal)
@@ -130,7 +132,7 @@ def table_in(lines, between, decimal):
     return Table(header, rows, None if rows else lines[0])
 
 
-def cells_of(line, between):
+def cells_of(line: str, between: str | None) -> list[str]:
     """Cells of a line, without blanks and quotes around them; none where the quotes are broken."""
     if between is None:
         return [cell.strip("\"'") for cell in line.split()]
@@ -143,9 +145,9 @@ def cells_of(line, between):
     return [cell.strip() for cell in cells]
 
 
-def numbers_of(cells, decimal):
+def numbers_of(cells: list[str], decimal: str) -> list | None:
     """The cells as finite numbers, None for an empty one; None if there is none, or anything else."""
-    numbers = []
+    numbers: list[float | None] = []
     for cell in cells:
         if not cell:
             numbers.append(None)
@@ -160,7 +162,7 @@ def numbers_of(cells, decimal):
     return numbers if known and all(map(isfinite, known)) else None
 
 
-def are_words(cells):
+def are_words(cells: list[str]) -> bool:
     """Whether no cell is, or wants to be, a number."""
     written = [cell for cell in cells if cell]
     return bool(written) and not any(LIKE_NUMBER.fullmatch(cell) for cell in written)
@@ -169,14 +171,14 @@ def are_words(cells):
 # -- refusals ------------------------------------------------------------------------------------
 
 
-def refuse_gaps(path, table, columns):
+def refuse_gaps(path: Path, table: Table, columns: list[int]) -> None:
     """Refuse a pair of which one number is missing."""
     for at, line, cells in table.rows:
         if any(column >= len(cells) or cells[column] is None for column in columns):
             raise not_two(path, at, line)
 
 
-def refuse_thousands(path, lines):
+def refuse_thousands(path: Path, lines: list[tuple[int, str]]) -> None:
     """Refuse numbers in quotes whose commas may stand between thousands as well as before decimals."""
     cells = [cell for _, line in lines for cell in cells_of(line, ",") if "," in cell]
     if all(THOUSANDS.fullmatch(cell) for cell in cells):
@@ -184,7 +186,7 @@ def refuse_thousands(path, lines):
         raise InputError(path, "file", found, "a decimal point")
 
 
-def refusal(path, tables, styles):
+def refusal(path: Path, tables: Any, styles: Any) -> InputError:
     """The InputError for a file that no style makes a table of two columns."""
     for table, (between, _) in zip(tables, styles, strict=True):
         if table.stopped is None:
@@ -196,14 +198,14 @@ def refusal(path, tables, styles):
     return not_two(path, at, line)
 
 
-def not_two(path, at, line):
+def not_two(path: Path, at: Any, line: str) -> InputError:
     """The InputError for a line that is not two numbers."""
     return InputError(
         path, f"line {at}", repr(line[:SHOWN]), "two finite numbers, as all lines before"
     )
 
 
-def other_columns(path, table, between):
+def other_columns(path: Path, table: Table, between: str | None) -> InputError:
     """The InputError for a table that has not two columns."""
     at, line, cells = table.rows[0]
     count = len(table.columns())

@@ -5,31 +5,38 @@ measured. The set-up of the experiment, put on top of what the user believes, is
 simulation of it runs (`Experiment.case`). A `[truth]` section is never looked at.
 """
 
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import quote
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.case.case import Case
 from fvcollapse.case.grammar import parse_toml, read_text
+from fvcollapse.draw.html import html_table
 from fvcollapse.errors import CaseError, InputError
+from fvcollapse.files.labelled import tree
 from fvcollapse.measure.curves import CSV_FILES, SCALARS, read_curve, read_scalars
+from fvcollapse.measure.experiment_folder import SETTINGS, refuse_bad_name, refuse_parent
 from fvcollapse.measure.experiment_keys import (
     CASE_KEYS,
     Settings,
     rule_required,
     settings_from_table,
 )
+from fvcollapse.measure.labels import labelled_points, measured_rows
 from fvcollapse.measure.measured_files import measured_files
 from fvcollapse.measure.plausibility import refuse_impossible
 from fvcollapse.measure.quantities import CURVES, QUANTITIES, SCALAR_UNITS
 from fvcollapse.measure.uncertainty import standard_deviation
 from fvcollapse.measure.unstated import assumed_of_grains
 
-SETTINGS = "experiment.toml"
-MOST_NAMES = 8  # of experiments in a message
-ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the name of a file (255)
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.draw.drawing import Picture
+    from fvcollapse.measure.curves import Curve, Scalar
+    from fvcollapse.measure.observables import Observations
+
 # a header of a section whose name is `truth` in any spelling of TOML, and any header
 TRUTH = re.compile(r"""\s*\[\[?\s*(truth|"truth"|'truth')\s*[].]""")
 HEADER = re.compile(r"""\s*\[\[?\s*["']?[A-Za-z_][\w\s."'-]*\]\]?\s*(#.*)?$""")
@@ -55,32 +62,32 @@ class Experiment:
     scalars: tuple
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Name of the folder."""
         return self.folder.resolve().name
 
     @property
-    def front_thickness(self):
+    def front_thickness(self) -> float | None:
         """Thickness that defines the front [m]; None: as the case says."""
         return self.settings.front.thickness
 
     @property
-    def time_origin(self):
+    def time_origin(self) -> float:
         """Simulated time at which the clock of the measurements shows 0 [s]."""
         return self.settings.time.origin
 
     @property
-    def time_end(self):
+    def time_end(self) -> float:
         """Simulated time of the last measured point [s]; 0 without curves."""
         last = [curve.time[-1] for curve in self.curves.values()]
         return max([0.0, *(float(time) + self.time_origin for time in last)])
 
-    def stated(self, path):
+    def stated(self, path: str) -> Any:
         """Value of a dotted key of `experiment.toml`; None if it is absent."""
         section, _, name = path.partition(".")
         return getattr(getattr(self.settings, section), name)
 
-    def standard_deviation(self, name, value=1.0):
+    def standard_deviation(self, name: str, value: float = 1.0) -> float:
         """Standard deviation of a quantity: as stated, else that of `assumed`, else `uncertainty.DEFAULTS`.
 
         `value` is the quantity itself, of which a relative default is a part.
@@ -90,15 +97,43 @@ class Experiment:
             return assumed.sd
         return standard_deviation(self.settings.uncertainty, name, value)
 
-    def has_common(self, name):
+    def has_common(self, name: str) -> bool:
         """Whether the error of a quantity is that of all experiments of the laboratory; see `[common]`."""
         return getattr(self.settings.common, name, False)
 
-    def assumed(self, base=None):
+    def assumed(self, base: Case | None = None) -> dict[str, Any]:
         """{key: `Assumed`} of what is not stated and follows from what is; see `unstated.assumed_of_grains`."""
         return assumed_of_grains(self.settings.material, base)
 
-    def case(self, base=None):
+    def plot(self, observed: "Observations | None" = None) -> "Picture":
+        """The measured curves as a figure, which a notebook shows.
+
+        Parameters
+        ----------
+        observed : Observations, optional
+            What a run gives for this experiment, `observe(result, experiment)`: drawn beneath.
+        """
+        from fvcollapse.draw.curves import draw_observables  # loads matplotlib
+
+        return draw_observables(observed, self.curves)
+
+    def to_xarray(self) -> "xarray.DataTree":
+        """The measured points as labelled arrays with units and standard deviations, one group for each curve.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        groups = {name: labelled_points(name, curve) for name, curve in self.curves.items()}
+        about = {"title": self.settings.title, "source": self.settings.source}
+        return tree(groups, about | {f"{one.name} ({one.kind})": one.value for one in self.scalars})
+
+    def _repr_html_(self) -> str:
+        rows = measured_rows(self.curves, self.scalars)
+        return html_table(self.settings.title or self.name, rows)
+
+    def case(self, base: Case | None = None) -> Case:
         """The case of this experiment.
 
         Geometry, gate, bed and what was measured of the material come from the experiment (absent:
@@ -132,7 +167,7 @@ class Experiment:
             raise CaseError(path, own or error.key, found, error.allowed) from None
 
 
-def load_experiment(folder):
+def load_experiment(folder: str | Path) -> Experiment:
     """The experiment in a folder (or whose `experiment.toml` is given).
 
     Parameters
@@ -160,40 +195,7 @@ def load_experiment(folder):
     return experiment
 
 
-def refuse_parent(folder):
-    """Refuse a folder of experiments, which holds none itself, with the names of those inside.
-
-    Raises
-    ------
-    InputError
-    """
-    if (folder / SETTINGS).exists() or not folder.is_dir():
-        return
-    inside = sorted(path.parent.name for path in folder.glob(f"*/{SETTINGS}"))
-    if inside:
-        others = f" and {len(inside) - MOST_NAMES} more" if len(inside) > MOST_NAMES else ""
-        found = f"no {SETTINGS}, but experiments in it"
-        raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
-
-
-def refuse_bad_name(folder):
-    """Refuse a folder whose name no report can show: it becomes part of file names, figures and pages.
-
-    Raises
-    ------
-    InputError
-    """
-    name = os.path.basename(os.path.realpath(folder))
-    if not name or not name.isprintable():
-        allowed = "a folder with a name of printable characters in UTF-8"
-        raise InputError(folder, "folder", f"the name {name!r}", allowed)
-    length = len(quote(name, safe=""))  # as figures are named
-    if length > ENCODED_NAME_MAX:
-        allowed = f"at most {ENCODED_NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
-        raise InputError(folder, "folder", f"a name of {length} characters", allowed)
-
-
-def read_settings(path):
+def read_settings(path: Path) -> Settings:
     """The `Settings` in a file."""
     settings = read_draft(path)
     for refusal in rule_required(settings):
@@ -201,19 +203,19 @@ def read_settings(path):
     return settings
 
 
-def is_complete(path):
+def is_complete(path: Path) -> bool:
     """Whether the settings in a file state what every experiment has to state."""
     return not list(rule_required(read_draft(path)))
 
 
-def read_draft(path):
+def read_draft(path: Path) -> Settings:
     """The `Settings` in a file that may still lack required keys."""
     table = parse_toml(strip_truth(read_text(path, "TOML")), path)
     table.pop("truth", None)  # as `truth = ...` or `truth.cause = ...`
     return settings_from_table(table, path)
 
 
-def strip_truth(text):
+def strip_truth(text: str) -> str:
     """The text without its `[truth]` sections, whatever stands in them."""
     kept, hidden = [], False
     for line in text.splitlines(keepends=True):
@@ -224,7 +226,9 @@ def strip_truth(text):
     return "".join(kept)
 
 
-def read_measurements(folder, uncertainty):
+def read_measurements(
+    folder: Path, uncertainty: Any
+) -> "tuple[dict[str, Curve], tuple[Scalar, ...]]":
     """(curves, scalars) of a folder."""
     files = measured_files(folder)
     curves = {
@@ -232,7 +236,7 @@ def read_measurements(folder, uncertainty):
         for name, quantity in CURVES.items()
         if name in files
     }
-    scalars = ()
+    scalars: tuple[Scalar, ...] = ()
     if SCALARS in files:
         scalars = read_scalars(
             files[SCALARS],
@@ -240,12 +244,12 @@ def read_measurements(folder, uncertainty):
             lambda name: standard_deviation(uncertainty, QUANTITIES[name].uncertainty),
         )
     if not curves and not scalars:
-        files = ", ".join(f"{name}.csv" for name in CSV_FILES)
-        raise InputError(folder, "folder", "no measurement", f"one or more of {files}")
+        known = ", ".join(f"{name}.csv" for name in CSV_FILES)
+        raise InputError(folder, "folder", "no measurement", f"one or more of {known}")
     return curves, scalars
 
 
-def case_changes(experiment, base=None):
+def case_changes(experiment: Experiment, base: Case | None = None) -> dict[str, Any]:
     """Changes to a case, of which `base` is believed, that make it the set-up of an experiment."""
     assumed = experiment.assumed(base).items()
     changes = {CASE_KEYS[own][0]: one.value for own, one in assumed}
@@ -254,13 +258,13 @@ def case_changes(experiment, base=None):
         if value is not None or absent is not None:
             changes[name] = absent if value is None else value
     material = experiment.settings.material
-    known = (material.solid_fraction, material.density_grain)
-    if material.density_bulk is None and None not in known:
-        changes["rheology.density_bulk"] = material.solid_fraction * material.density_grain
+    fraction, grain = material.solid_fraction, material.density_grain
+    if material.density_bulk is None and fraction is not None and grain is not None:
+        changes["rheology.density_bulk"] = fraction * grain
     return changes
 
 
-def suitable_cell_size(geometry):
+def suitable_cell_size(geometry: Any) -> float:
     """Default cell size [m], or the nearest that a column of this size may have."""
     finest = geometry.height_0 / 100
     coarsest = min(geometry.height_0, geometry.length_0) / 4

@@ -1,12 +1,18 @@
 """The grammar of `experiment.toml`: its keys, what ties them together, and where they stand in a case."""
 
+from collections.abc import Iterator
 from math import inf
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fvcollapse.case.grammar import Section, convert, key, key_table
 from fvcollapse.case.rules import rule_finite
 from fvcollapse.errors import InputError
 from fvcollapse.measure.uncertainty import DEFAULTS, Uncertainty
+
+if TYPE_CHECKING:
+    from fvcollapse.case.grammar import KeyInfo
+
 
 REQUIRED = ("geometry.slope_angle_deg", "geometry.height_0", "geometry.length_0")
 # where a key of the experiment stands in the case; absent = the value in the second column, or
@@ -135,7 +141,7 @@ class Settings(Section):
     common: Common = Common()
 
 
-def describe_keys():
+def describe_keys() -> "list[KeyInfo]":
     """All keys of `experiment.toml`, as `case.describe_keys` does for a case.
 
     The default of an uncertainty is what holds where neither the key nor a column states one.
@@ -147,13 +153,13 @@ def describe_keys():
     ]
 
 
-def with_default(info, default):
+def with_default(info: "KeyInfo", default: Any) -> "KeyInfo":
     """The row of an uncertainty with its value and the reason for it."""
     value = f"{100 * default.value:g} %" if default.relative else f"{default.value:g}"
     return info._replace(default=value, description=f"{info.description} ({default.reason})")
 
 
-def settings_from_table(table, path):
+def settings_from_table(table: dict, path: str | Path) -> Settings:
     """The `Settings` in nested dictionaries; every key that is there is right, none is required."""
     settings, refused = convert(table, Settings)
     for refusal in refused or (*rule_finite(settings), *rule_gate(settings)):
@@ -161,7 +167,7 @@ def settings_from_table(table, path):
     return settings
 
 
-def rule_required(settings):
+def rule_required(settings: Settings) -> Iterator[tuple[str, str, str]]:
     """There is no collapse without slope and column."""
     for path in REQUIRED:
         section, _, name = path.partition(".")
@@ -169,7 +175,7 @@ def rule_required(settings):
             yield path, "no such key", "a number: an experiment states its slope and its column"
 
 
-def rule_gate(settings):
+def rule_gate(settings: Settings) -> Iterator[tuple[str, str, str]]:
     """A speed law has a speed."""
     if settings.gate.time_constant is not None and settings.gate.speed is None:
         yield "gate.time_constant", f"{settings.gate.time_constant:g}", "beside gate.speed"

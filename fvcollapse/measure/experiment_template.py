@@ -6,12 +6,12 @@ from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
 
 
-def experiment_template():
+def experiment_template() -> str:
     """The text of an `experiment.toml` in which every key is a comment (TOML)."""
     return f"{csv_comments()}\n{settings_text((), SETTINGS)}"
 
 
-def csv_comments():
+def csv_comments() -> str:
     """Comments on the CSV files: one or more of them hold what was measured."""
     lines = [
         "# An experiment: the set-up below, and what was measured in one or more CSV files in this folder, each with a",

@@ -5,6 +5,8 @@ A file that holds a measurement under a name that is not read would be passed ov
 
 import stat
 from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
 
 from fvcollapse.errors import InputError
 from fvcollapse.files.regular import SPECIAL
@@ -15,7 +17,7 @@ COPIES = ("~", ".bak", ".orig", ".old", ".tmp", ".swp")  # what editors leave be
 ALIKE = 0.8  # of the letters: profile and profiles, but not pixels
 
 
-def measured_files(folder):
+def measured_files(folder: Path) -> dict[str, Path]:
     """Paths of the CSV files of a folder that are read, {name: path}.
 
     Parameters
@@ -35,15 +37,15 @@ def measured_files(folder):
         raise InputError(folder, "folder", problem, "a readable folder") from None
     read = {name: folder / f"{name}.csv" for name in CSV_FILES if f"{name}.csv" in names}
     for path in read.values():
-        if problem := no_file(path):
-            raise InputError(path, "file", problem, "a CSV file")
+        if other := no_file(path):
+            raise InputError(path, "file", other, "a CSV file")
     for name in names:
         if nearest := meant(name, read):
             raise InputError(folder / name, "file", "a name that is not read", f"{nearest}.csv")
     return read
 
 
-def no_file(path):
+def no_file(path: Path) -> str | None:
     """What stands at a path, in words, if that is no regular file; None if it is one."""
     try:
         mode = path.stat().st_mode
@@ -56,7 +58,7 @@ def no_file(path):
     return "a folder" if stat.S_ISDIR(mode) else SPECIAL.get(stat.S_IFMT(mode), "no file")
 
 
-def meant(name, read):
+def meant(name: str, read: Any) -> str | None:
     """Name of the measurement that a file name is like but for its spelling or its ending; None if it is none.
 
     Where the measurement itself is there, a file with another ending is a copy or a source of it.

@@ -4,13 +4,26 @@ On an erodible bed all heights and the column volumes are measured from the init
 layer: a run reports the pile, and an eroded place has a negative height. See `pile` for one instant.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from fvcollapse.draw.html import html_table
+from fvcollapse.files.labelled import tree
+from fvcollapse.measure.labels import labelled_rows
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
 from fvcollapse.measure.pile import front_position
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.case.case import Case
+    from fvcollapse.draw.drawing import Picture
+    from fvcollapse.output.result import Result
 
 SPEED_REST = 1.0e-3  # m/s; the collapse has arrested when nothing is faster
 WORKS = ("work_bulk", "work_bed", "work_back_wall", "work_lateral", "work_gate")
@@ -19,7 +32,7 @@ ENERGY_SPENT = (*WORKS, "energy_outflow")  # since t = 0; series of these names,
 VELOCITY_WINDOW = 0.040  # s; width of the window of the front velocity
 
 
-def front_velocity(time, front):
+def front_velocity(time: ArrayLike, front: ArrayLike) -> np.ndarray:
     """Least-squares slope of front(time) over a centred window of 40 ms, (n,), m/s.
 
     At the ends the window is cut to what exists. A window with fewer than three points takes the
@@ -43,7 +56,7 @@ def front_velocity(time, front):
     return velocity
 
 
-def peak_front_velocity(time, velocity):
+def peak_front_velocity(time: np.ndarray, velocity: np.ndarray) -> tuple[float, float]:
     """(value [m/s], time [s]) of the largest front velocity whose window is not cut at an end.
 
     A one-sided slope is no peak; it counts only where the record is shorter than a window.
@@ -56,7 +69,7 @@ def peak_front_velocity(time, velocity):
     return float(velocity[peak]), float(time[peak])
 
 
-def arrest_time(time, max_speed):
+def arrest_time(time: np.ndarray, max_speed: np.ndarray) -> float | None:
     """First time after which nothing reaches 1 mm/s any more [s]; None if still moving."""
     moving = np.flatnonzero(np.asarray(max_speed) >= SPEED_REST)
     if moving.size == 0:
@@ -64,7 +77,7 @@ def arrest_time(time, max_speed):
     return float(time[moving[-1] + 1]) if moving[-1] + 1 < len(time) else None
 
 
-def numerical_loss(series):
+def numerical_loss(series: Mapping[str, Any]) -> np.ndarray:
     """Energy that the run has lost to the discretisation since t = 0 [J/m]; negative where it gained.
 
     Parameters
@@ -76,7 +89,7 @@ def numerical_loss(series):
         np.asarray(series[name], float)
         for name in ("kinetic_energy", "potential_energy", *ENERGY_SPENT)
     )
-    return total[0] - total if total.size else total
+    return total[0] - total if total.size else total  # type: ignore[index, union-attr, return-value]
 
 
 @dataclass(frozen=True)
@@ -94,7 +107,33 @@ class Observations:
     interface: np.ndarray
     scalars: dict
 
-    def rows(self):
+    def plot(self) -> "Picture":
+        """Front, volume, profiles and interface as a figure, which a notebook shows."""
+        from fvcollapse.draw.curves import draw_observables  # loads matplotlib
+
+        return draw_observables(self)
+
+    def to_xarray(self) -> "xarray.DataTree":
+        """The curves as labelled arrays with units, one group each; the numbers as attributes.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        groups = {name: labelled_rows(name, getattr(self, name)) for name in CURVES}
+        return tree(
+            groups, {name: value for name, value in self.scalars.items() if value is not None}
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name.replace("_", " "), "-" if value is None else f"{value:.4g} {SCALAR_UNITS[name]}")
+            for name, value in self.scalars.items()
+        ]
+        return html_table("observed", rows)
+
+    def rows(self) -> list[tuple[str, float | None, float | None, float | None, str]]:
         """The same as rows (name, time, position, value, units); None where meaningless."""
         rows = []
         for name, quantity in CURVES.items():
@@ -106,7 +145,14 @@ class Observations:
         ]
 
 
-def observe(result, experiment=None, *, front_thickness=None, time_origin=None, case=None):
+def observe(
+    result: "Result",
+    experiment: Any = None,
+    *,
+    front_thickness: float | None = None,
+    time_origin: float | None = None,
+    case: "Case | None" = None,
+) -> Observations:
     """Read `Observations` off a result, with the front threshold and time origin of an experiment.
 
     The effects of the case that change what is seen and not what flows act here
@@ -140,7 +186,7 @@ def observe(result, experiment=None, *, front_thickness=None, time_origin=None, 
         position = [front_position(profiles.x, h, front_thickness) for h in profiles.thickness]
         front = np.column_stack([profiles.time, position])
         velocity = front_velocity(profiles.time, position)
-    seen = seen_front(*front.T, case)
+    seen = seen_front(*front.T, case)  # type: ignore[call-arg]
     if not np.array_equal(seen, front[:, 1]):
         velocity = front_velocity(front[:, 0], seen)
     front[:, 1] = seen

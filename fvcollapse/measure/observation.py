@@ -7,11 +7,19 @@ None of them changes the flow, so that one run serves all their strengths: that 
 given to `observe` together with the case itself.
 """
 
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
 from fvcollapse.effects.catalogue import effects_on
 from fvcollapse.effects.effect import with_section
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def flow_case(case):
+
+def flow_case(case: "Case") -> "Case":
     """The case whose run serves `case` as well: without what only the observation knows of.
 
     An effect that leaves the flow as it is, whatever its keys, is switched off; of the others the keys that only
@@ -31,7 +39,7 @@ def flow_case(case):
     return case if changed == case else changed
 
 
-def operators(case, part):
+def operators(case: "Case", part: str) -> Iterator[tuple[Callable, Any]]:
     """The operators of one part of the observation (`Seeing`) of the effects that are on, with their sections."""
     for effect, section in effects_on(case):
         operator = getattr(effect.see, part, None)
@@ -39,14 +47,14 @@ def operators(case, part):
             yield operator, section
 
 
-def seen_place(x, case):
+def seen_place(x: np.ndarray, case: "Case") -> np.ndarray:
     """Abscissae at which the grains at `x` are seen, m."""
     for operator, section in operators(case, "place"):
         x = operator(section, case.resolved, x)
     return x
 
 
-def seen_front(time, front, case):
+def seen_front(time: np.ndarray, front: np.ndarray, case: "Case") -> np.ndarray:
     """Front that is measured, (n,), m, of a front at `front` (n,) at the times `time` (n,), s."""
     front = seen_place(front, case)
     for operator, section in operators(case, "front"):
@@ -54,6 +62,6 @@ def seen_front(time, front, case):
     return front
 
 
-def seen_time_origin(case):
+def seen_time_origin(case: "Case") -> float:
     """Simulated time at which the clock of the measurement shows zero, s."""
     return sum((operator(section) for operator, section in operators(case, "clock")), 0.0)

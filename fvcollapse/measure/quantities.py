@@ -83,17 +83,17 @@ class Quantity(NamedTuple):
     times: tuple = ()
 
     @property
-    def is_curve(self):
+    def is_curve(self) -> bool:
         """Whether it has a file of its own."""
         return bool(self.columns)
 
     @property
-    def is_profile(self):
+    def is_profile(self) -> bool:
         """Whether it varies along the bed."""
         return len(self.columns) == 3
 
     @property
-    def sigma_column(self):
+    def sigma_column(self) -> str:
         """Optional column of the standard deviation."""
         return "sigma" if self.unit == "1" else f"sigma_{self.unit}"
 
@@ -241,28 +241,28 @@ MEASURED_DEFAULTS = {
 }
 
 
-def shown_gap(name, unit):
+def shown_gap(name: str, unit: str) -> Shown:
     """How a gap of an observable is printed; one that is not in the table keeps its `unit`."""
     return QUANTITIES[name].gap_shown if name in QUANTITIES else Shown(1.0, plain_unit(unit))
 
 
-def shown_value(name, unit):
+def shown_value(name: str, unit: str) -> Shown:
     """How a value of an observable is printed; one that is not in the table keeps its `unit`."""
     return QUANTITIES[name].value_shown if name in QUANTITIES else Shown(1.0, plain_unit(unit))
 
 
-def observable_words(name):
+def observable_words(name: str) -> str:
     """An observable in words."""
     return QUANTITIES[name].words if name in QUANTITIES else name.replace("_", " ")
 
 
-def direction_words(name, gap):
+def direction_words(name: str, gap: float) -> str:
     """Words for the sign of simulated - measured."""
     if name not in QUANTITIES:
         return "too high" if gap > 0.0 else "too low"
     return QUANTITIES[name].too_large if gap > 0.0 else QUANTITIES[name].too_small
 
 
-def plain_unit(unit):
+def plain_unit(unit: str) -> str:
     """A unit as printed: empty where there is none."""
     return "" if unit in ("1", "-") else unit

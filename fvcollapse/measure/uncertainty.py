@@ -4,7 +4,7 @@ Every number that an experiment folder leaves open is in `DEFAULTS`, with the re
 that the literature gives is read as one of 90 %: standard deviation = range / 3.29.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 
@@ -12,12 +12,12 @@ from fvcollapse.case.grammar import Section, key
 from fvcollapse.measure.quantities import MEASURED_DEFAULTS, Default
 
 
-def absolute(unit, value, reason):
+def absolute(unit: str, value: float, reason: str) -> Default:
     """A default in the unit of the quantity."""
     return Default(unit, value, False, reason)
 
 
-def relative(unit, value, reason):
+def relative(unit: str, value: float, reason: str) -> Default:
     """A default that is a part of the quantity; `unit` is that of a stated value."""
     return Default(unit, value, True, reason)
 
@@ -50,10 +50,10 @@ DEFAULTS = {
 LARGEST = {"m": 1000.0, "s": 1000.0, "m/s": 1000.0, "deg": 90.0, "-": 10.0, "kg/m3": 1.0e5}
 
 
-def stated_key(name):
+def stated_key(name: str) -> tuple[str, Any, None]:
     """The optional key of one quantity, as msgspec wants it: (name, type, default)."""
     unit, *_ = DEFAULTS[name]
-    least = {"gt": 0} if name in MEASURED_DEFAULTS else {"ge": 0}
+    least: dict[str, Any] = {"gt": 0} if name in MEASURED_DEFAULTS else {"ge": 0}
     limits = key(unit, f"standard deviation of {name}", **least, le=LARGEST[unit])
     return name, Annotated[float, limits] | None, None
 
@@ -70,7 +70,7 @@ Uncertainty = msgspec.defstruct(
 )
 
 
-def standard_deviation(stated, name, value=1.0):
+def standard_deviation(stated: Any, name: str, value: float = 1.0) -> float:
     """Standard deviation of a quantity: as stated, else the default.
 
     Parameters

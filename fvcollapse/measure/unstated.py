@@ -4,7 +4,7 @@ Grains with another friction at rest than those of the default material are othe
 the default with one number exchanged. What is not stated of mu(I) keeps its distance to mu_1, and is uncertain.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fvcollapse.case.case import Case
 from fvcollapse.measure.uncertainty import DEFAULTS
@@ -20,7 +20,7 @@ class Assumed(NamedTuple):
     reason: str
 
 
-def assumed_of_grains(material, base=None):
+def assumed_of_grains(material: Any, base: Case | None = None) -> dict[str, Assumed]:
     """{key of `experiment.toml`: `Assumed`} of the mu(I) of an experiment that states mu_1 and not all of the rest.
 
     mu_2 follows mu_1 unless the case that is believed has another one than the default. The rise mu_2 - mu_1 is that

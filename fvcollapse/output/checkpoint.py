@@ -3,7 +3,10 @@
 Same groups as in a result, and /state with every entry of the tables `FIELDS` and `SCALARS`.
 """
 
-from typing import NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import h5py
 
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import CaseError, InputError
@@ -13,6 +16,10 @@ from fvcollapse.output.recorder import Recorder
 from fvcollapse.output.stored_numbers import group_of, number_of, numbers_of, refuse
 from fvcollapse.step.state import EFFECT_FIELDS, FIELDS, SCALARS, State, location_shape
 from fvcollapse.version import __version__
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 FORMAT = "fvcollapse-checkpoint"
 WHOLE = ("step",)  # scalars that count; the others are measured
@@ -28,7 +35,7 @@ class Checkpoint(NamedTuple):
     code_version: str
 
 
-def write_header(file, kind, case):
+def write_header(file: h5py.File, kind: str, case: "Case") -> None:
     """Root attributes common to results and checkpoints."""
     file.attrs["format"] = kind
     file.attrs["format_version"] = FORMAT_VERSION
@@ -36,7 +43,7 @@ def write_header(file, kind, case):
     file.attrs["code_version"] = __version__
 
 
-def checkpoint_image(case, state, recorder):
+def checkpoint_image(case: "Case", state: State, recorder: Recorder) -> bytes:
     """The checkpoint as bytes."""
 
     def fill(file):
@@ -47,7 +54,7 @@ def checkpoint_image(case, state, recorder):
     return build_image(fill)
 
 
-def write_state(group, state):
+def write_state(group: h5py.Group, state: State) -> None:
     """Every field as a dataset, every scalar as an attribute (float64 and int64 keep every bit)."""
     for name, (_, units, description, *_) in FIELDS.items():
         write_dataset(group, name, getattr(state, name), units, description)
@@ -58,7 +65,7 @@ def write_state(group, state):
         group.attrs[name] = getattr(state, name)
 
 
-def read_state(file):
+def read_state(file: h5py.File) -> State:
     """The state that `write_state` stored in an open file; InputError names what is wrong in it."""
     group = group_of(file, "state")
     locations = {name: location for name, (location, *_) in FIELDS.items()}
@@ -73,7 +80,7 @@ def read_state(file):
     return State(**fields, **{name: read_scalar(file, name) for name in SCALARS})
 
 
-def read_scalar(file, name):
+def read_scalar(file: h5py.File, name: str) -> Any:
     """A scalar of the state."""
     limits = (0.0, float("inf")) if name in NOT_NEGATIVE else (-float("inf"), float("inf"))
     value = number_of(file, "state", name, limits, kinds="iu" if name in WHOLE else "f")
@@ -82,7 +89,7 @@ def read_scalar(file, name):
     return value
 
 
-def read_checkpoint(path):
+def read_checkpoint(path: str | Path) -> Checkpoint:
     """The checkpoint at `path`; a missing, broken or inconsistent one is one InputError."""
     with reading(path, FORMAT) as file:
         check_header(file)
@@ -98,7 +105,7 @@ def read_checkpoint(path):
     return stored
 
 
-def stored_case(text, path):
+def stored_case(text: str, path: str | Path) -> "Case":
     """The case in a checkpoint."""
     try:
         return case_from_text(text, path)
@@ -106,7 +113,7 @@ def stored_case(text, path):
         raise InputError(path, "case", str(error), "a case that this version reads") from None
 
 
-def refuse_other_end(file, stored):
+def refuse_other_end(file: h5py.File, stored: Checkpoint) -> None:
     """Refuse a record that does not end at the state."""
     state, recorder = stored.state, stored.recorder
     rows, last, width = len(recorder.series["time"]), recorder.series["time"][-1], len(recorder.x)

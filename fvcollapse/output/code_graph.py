@@ -6,8 +6,9 @@ module that define nothing stand together at (module, "").
 
 import ast
 import hashlib
+from collections.abc import Collection, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Part(NamedTuple):
@@ -44,11 +45,18 @@ class CodeGraph:
         Names of definitions that are not followed.
     """
 
-    def __init__(self, package, reducer, outside=(), cut=()):
+    def __init__(
+        self,
+        package: str | Path,
+        reducer: Any,
+        outside: Collection[str] = (),
+        cut: Collection[str] = (),
+    ) -> None:
         self.package, self.reducer, self.outside, self.cut = Path(package), reducer, outside, cut
-        self._modules, self._parts = {}, {}
+        self._modules: dict[str, Module | None] = {}
+        self._parts: dict[int, Part] = {}
 
-    def lines(self, roots):
+    def lines(self, roots: Iterable[tuple[str, str]]) -> list[str]:
         """A line for each definition that the roots lead to, sorted: its digest, and those it refers to.
 
         Raises
@@ -63,7 +71,7 @@ class CodeGraph:
         pairs = zip(parts, neighbours, strict=True)
         return sorted({" ".join([part.digest, *others]) for part, others in pairs if part.digest})
 
-    def reached(self, roots):
+    def reached(self, roots: Iterable[tuple[str, str]]) -> set[tuple[str, str]]:
         """All places that some places lead to, themselves included."""
         reached, waiting = set(), []
         for root in roots:
@@ -78,7 +86,7 @@ class CodeGraph:
                 waiting += self.part(place).places | self.part(place).statements
         return reached
 
-    def part(self, place):
+    def part(self, place: tuple[str, str]) -> Part:
         """The `Part` of the definition at a place."""
         node = self.node(*place)
         if id(node) not in self._parts:  # a definition is changed in being reduced
@@ -95,27 +103,27 @@ class CodeGraph:
         places = {other for other in reducer.places if other[1] not in self.cut}
         return Part(digest, places, self.statements_of(module))
 
-    def statements_of(self, module):
+    def statements_of(self, module: str) -> set[tuple[str, str]]:
         """Places of the statements that run when a module is imported, those of its packages included."""
         parts = module.split(".")
         modules = ["", *(".".join(parts[: n + 1]) for n in range(len(parts)))]
         return {(name, "") for name in modules if self.node(name, "") is not None}
 
-    def node(self, module, name):
+    def node(self, module: str, name: str) -> Any:
         """The statement at a place; None if there is none."""
         found = self.module(module)
         return None if found is None else found.definitions.get(name)
 
-    def module(self, name):
+    def module(self, name: str) -> Any:
         """The `Module` of a dotted name; None if there is no such file."""
         if name not in self._modules:
             path = self.package.joinpath(*name.split("."))
             files = [path / "__init__.py", *([path.with_suffix(".py")] if name else [])]
-            path = next((file for file in files if file.is_file()), None)
-            self._modules[name] = None if path is None else Module(path, name, self.package.name)
+            found = next((file for file in files if file.is_file()), None)
+            self._modules[name] = None if found is None else Module(found, name, self.package.name)
         return self._modules[name]
 
-    def resolved(self, module, name):
+    def resolved(self, module: str, name: str) -> tuple[str, str] | None:
         """Place where a name of a module is defined, imports followed; None outside of the package."""
         found = self.module(module)
         if found is None or module in self.outside:
@@ -125,7 +133,7 @@ class CodeGraph:
         source = found.imports.get(name)
         return None if source is None else self.resolved(*source)
 
-    def target(self, module, node):
+    def target(self, module: str, node: ast.AST) -> tuple[str, str] | None:
         """Place that a node names in a module: `name`, or `module.name`; else None."""
         if isinstance(node, ast.Name):
             return self.resolved(module, node.id)
@@ -149,8 +157,10 @@ class Module:
         Name -> dotted name of what was imported from another package.
     """
 
-    def __init__(self, path, name, package):
-        self.definitions, self.imports, self.foreign = {}, {}, {}
+    def __init__(self, path: Path, name: str, package: str) -> None:
+        self.definitions: dict[str, ast.AST] = {}
+        self.imports: dict[str, tuple[str, str]] = {}
+        self.foreign: dict[str, str] = {}
         parents = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
         self.parents = [part for part in (package, *parents) if part]
         tree, others = ast.parse(path.read_text(encoding="utf-8")), []
@@ -158,14 +168,14 @@ class Module:
             names = defined_names(node)
             for defined in names:
                 self._define(defined, node)
-            if not names and not is_import(node) and not is_docstring(node):
+            if not names and not (is_import(node) or is_docstring(node) or is_typing(node)):
                 others.append(node)
         if others:
             self.definitions[""] = statements = ast.Module(others, [])
             for defined in bound_names(statements):  # under a condition, in a loop
                 self._define(defined, statements)
-        for node in filter(is_import, ast.walk(tree)):
-            self._add_import(node)
+        for statement in filter(is_import, ast.walk(tree)):
+            self._add_import(statement)
 
     def _define(self, name, node):
         before = self.definitions.get(name)
@@ -184,7 +194,7 @@ class Module:
                 self.foreign[name] = ".".join(dotted)
 
 
-def defined_names(node):
+def defined_names(node: ast.AST) -> list[str]:
     """Names that a top-level statement defines."""
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
         return [node.name]
@@ -198,7 +208,7 @@ def defined_names(node):
     return [part.id for target in found for part in ast.walk(target) if isinstance(part, ast.Name)]
 
 
-def bound_names(node):
+def bound_names(node: ast.AST) -> set[str]:
     """Names that a statement binds anywhere inside."""
     definitions = ast.FunctionDef | ast.ClassDef
     names = {part.name for part in ast.walk(node) if isinstance(part, definitions)}
@@ -206,17 +216,22 @@ def bound_names(node):
     return names | {part.id for part in bound if isinstance(part, ast.Name)}
 
 
-def is_import(node):
+def is_import(node: ast.AST) -> bool:
     """Whether a statement is an import."""
     return isinstance(node, ast.Import | ast.ImportFrom)
 
 
-def is_docstring(node):
+def is_typing(node: ast.AST) -> bool:
+    """Whether a statement is for type checkers only: `if TYPE_CHECKING:`."""
+    return isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
+
+
+def is_docstring(node: ast.AST) -> bool:
     """Whether a statement is a text and nothing else."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def called_name(node):
+def called_name(node: ast.AST | None) -> str:
     """Last part of the name that a node calls: `f` of `f(...)` and of `m.f(...)`; else ""."""
     function = node.func if isinstance(node, ast.Call) else None
     return getattr(function, "attr", getattr(function, "id", ""))

@@ -7,8 +7,9 @@ and `dt` is the time between two rows. It is made from a result, or from the rec
 """
 
 import io
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import h5py
 import numpy as np
 
 from fvcollapse.case.case import Case
@@ -21,6 +22,10 @@ from fvcollapse.output.stored_names import PROFILES, SERIES
 from fvcollapse.output.tables import LAYOUT, TABLES, write_table
 from fvcollapse.output.trust import COMPLETE, Trust
 from fvcollapse.version import __version__
+
+if TYPE_CHECKING:
+    from fvcollapse.output.recorder import Recorder
+
 
 INTERVAL = 0.005  # s between rows of the series
 SMALL = ("v110", "v110")  # the index of a data set takes 2 kB less than in older formats
@@ -39,7 +44,7 @@ class FinishedRun(NamedTuple):
     profiles: Profiles
 
     @classmethod
-    def of(cls, recorder, case):
+    def of(cls, recorder: "Recorder", case: Case) -> "FinishedRun":
         """Of the record of a run that has reached its end."""
         columns = recorder.columns()
         trust = trust_of_record(recorder, COMPLETE, case)
@@ -47,7 +52,7 @@ class FinishedRun(NamedTuple):
         return cls(case, __version__, COMPLETE, trust, columns.series, columns.steps, profiles)
 
 
-def extract_image(result):
+def extract_image(result: Any) -> bytes:
     """The extract of a finished `Result` or `FinishedRun`, as bytes."""
 
     def fill(file):
@@ -69,7 +74,7 @@ def extract_image(result):
     return build_image(fill, SMALL)
 
 
-def write_profiles(group, profiles):
+def write_profiles(group: h5py.Group, profiles: Profiles) -> None:
     """Write the profiles of a result into an open group."""
     write_dataset(group, "time", profiles.time, "s", "times of the profiles")
     write_dataset(group, "x", profiles.x, "m", "distance along the bed from the back wall")
@@ -77,18 +82,18 @@ def write_profiles(group, profiles):
     write_table(group, heights, "heights of the pile")
 
 
-def open_image(image):
+def open_image(image: bytes) -> Result:
     """The extract in bytes as a `Result`."""
     return Result(io.BytesIO(image))
 
 
-def kept_rows(time):
+def kept_rows(time: np.ndarray) -> np.ndarray:
     """Indices of the retained rows: the first at or after each multiple of `INTERVAL`, the last."""
     wanted = np.arange(time[0], time[-1], INTERVAL)
     return np.unique([*np.searchsorted(time, wanted - 1.0e-9), len(time) - 1])
 
 
-def summed_steps(steps, rows):
+def summed_steps(steps: dict, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Steps between kept rows; step n ends at row n + 1 of the series."""
     if len(rows) < 2:
         return {name: values[:0] for name, values in steps.items()}
@@ -100,6 +105,6 @@ def summed_steps(steps, rows):
     }
 
 
-def rounded(heights):
+def rounded(heights: np.ndarray) -> np.ndarray:
     """Heights in single precision, to `RESOLUTION` [m]."""
     return (np.round(heights / RESOLUTION) * RESOLUTION).astype(np.float32)

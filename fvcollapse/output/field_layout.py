@@ -1,5 +1,7 @@
 """The form of the fields in a file: one group per stored time, all data sets of the shapes of one grid."""
 
+from typing import Any
+
 import numpy as np
 
 from fvcollapse.output.stored_names import FIELDS
@@ -23,7 +25,7 @@ RANGES = dict.fromkeys(("shear_rate", "viscosity", "inertial_number"), POSITIVE)
 CELL_ATTRIBUTES = ("time", "dx", "dz")
 
 
-def check_field_forms(file, end):
+def check_field_forms(file: Any, end: float) -> None:
     """Check the groups of /fields: numbered from 0, times in order, data sets of the shapes of one grid."""
     before = -np.inf
     for index in range(len(file["fields"])):
@@ -36,15 +38,15 @@ def check_field_forms(file, end):
         field_forms(file, path)
 
 
-def cell_attributes(file, path):
+def cell_attributes(file: Any, path: str) -> tuple[float, float, float]:
     """(time [s], dx [m], dz [m]) of a field."""
-    time, *sizes = (float(number_of(file, path, name, (0.0, LONGEST))) for name in CELL_ATTRIBUTES)
-    if min(sizes) == 0.0:
+    time, dx, dz = (float(number_of(file, path, name, (0.0, LONGEST))) for name in CELL_ATTRIBUTES)
+    if min(dx, dz) == 0.0:
         refuse(file, f"{path}.dx", "cells without size", "numbers > 0")
-    return time, *sizes
+    return time, dx, dz
 
 
-def field_forms(file, path):
+def field_forms(file: Any, path: str) -> dict[str, tuple[int, ...]]:
     """{name: shape} of the data sets of one field; InputError if they are not those of one grid."""
     for name in FIELDS:
         if name not in file[path]:
@@ -65,7 +67,7 @@ def field_forms(file, path):
     return shapes
 
 
-def read_field(file, index):
+def read_field(file: Any, index: int) -> dict[str, Any]:
     """Arrays of one field, and its time, dx and dz.
 
     Raises
@@ -82,7 +84,7 @@ def read_field(file, index):
     return arrays | values
 
 
-def check_paraview(file, index):
+def check_paraview(file: Any, index: int) -> None:
     """Check what ParaView needs beside a field."""
     nx, nz = (size - 1 for size in file[f"fields/{index}/level_set"].shape)
     group_of(file, f"paraview/{index}")

@@ -5,6 +5,7 @@ that a run reaches from `ROOTS`, its edges the references between them. It does 
 in which a definition stands, and it leaves out what cannot change a number:
 
 - comments, docstrings, annotations, layout and imports of the package itself;
+- the methods `VIEWS` of a class, which show what it holds;
 - the text of an error that is raised;
 - the fields of the sections of a case. Their values are part of the resolved case, which stands beside
   the digest in every key of the cache; their units, bounds, defaults and descriptions only decide which
@@ -24,8 +25,10 @@ definitions are the same, apart from what is left out.
 
 import ast
 import hashlib
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
@@ -46,12 +49,13 @@ EFFECT_TABLES = ("CATALOGUE",)
 OUTSIDE = ("errors", "files.hdf5")  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
+VIEWS = ("plot", "to_xarray", "_repr_html_")
 EFFECT = "Effect"
 NO_NUMBERS = ("priors", "absorbed_in", "refuse", "needs_walls", "zero")  # arguments of it
 SECTION, DEFINE_SECTION = "Section", "defstruct"
 
 
-def solver_version(effects=None):
+def solver_version(effects: Sequence[str] | None = None) -> str:
     """The version and a digest, such as "0.1.0+1f0c…".
 
     Parameters
@@ -64,7 +68,7 @@ def solver_version(effects=None):
 
 
 @cache
-def solver_digest(package, effects):
+def solver_digest(package: Path, effects: tuple[str, ...]) -> str:
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
     code = solver_code(package)
     lines = code.lines([*ROOTS, *(root for name in effects for root in roots_of(code, name))])
@@ -72,12 +76,12 @@ def solver_digest(package, effects):
 
 
 @cache
-def solver_code(package):
+def solver_code(package: Path) -> CodeGraph:
     """The `CodeGraph` of a package; each file is parsed once."""
     return CodeGraph(package, Counted, frozenset(OUTSIDE), frozenset(EFFECT_TABLES))
 
 
-def roots_of(code, effect):
+def roots_of(code: CodeGraph, effect: str) -> list[tuple[str, str]]:
     """Places of the code that acts only while an effect is on: its `EFFECT`, and the stages of its term."""
     module = f"effects.{effect}"
     definition = code.node(module, "EFFECT")
@@ -87,13 +91,14 @@ def roots_of(code, effect):
     return [(module, "EFFECT"), *(place for place in stages if code.node(*place) is not None)]
 
 
-def term_of(definition):
+def term_of(definition: ast.AST) -> str:
     """Module of the step that the definition of an `EFFECT` names; "" without one."""
     keywords = (part for part in ast.walk(definition) if isinstance(part, ast.keyword))
-    return next((part.value.value for part in keywords if part.arg == "term"), "")
+    terms = (part.value for part in keywords if part.arg == "term")
+    return next((str(term.value) for term in terms if isinstance(term, ast.Constant)), "")
 
 
-def is_section(node):
+def is_section(node: ast.AST) -> bool:
     """Whether a statement defines a section of a case."""
     if isinstance(node, ast.Assign):
         return called_name(node.value) == DEFINE_SECTION
@@ -112,10 +117,12 @@ class Counted(ast.NodeTransformer):
         The places that were named; the names that are none of the package.
     """
 
-    def __init__(self, target):
-        self.target, self.places, self.names = target, set(), set()
+    def __init__(self, target: Callable[[ast.AST], tuple[str, str] | None]) -> None:
+        self.target = target
+        self.places: set[tuple[str, str]] = set()
+        self.names: set[str] = set()
 
-    def reduced(self, node):
+    def reduced(self, node: Any) -> str:
         """The text of a definition, "" of a section without methods; `places` is what it refers to."""
         section = is_section(node)
         if section:
@@ -128,7 +135,7 @@ class Counted(ast.NodeTransformer):
                 return ""
         return ast.unparse(ast.fix_missing_locations(self.visit(node)))
 
-    def note_fields(self, section):
+    def note_fields(self, section: ast.AST) -> None:
         """Note the sections inside a section: their methods count."""
         waiting = [section]
         while waiting:
@@ -139,7 +146,7 @@ class Counted(ast.NodeTransformer):
                 self.visit_reference(node)
             waiting += ast.iter_child_nodes(node)
 
-    def visit_reference(self, node):
+    def visit_reference(self, node: Any) -> ast.AST:
         """A `Name` or `module.name` of the package: the name of the definition; else the node."""
         place = self.target(node)
         if place is None:
@@ -150,37 +157,42 @@ class Counted(ast.NodeTransformer):
 
     visit_Name = visit_reference
 
-    def visit_Attribute(self, node):  # noqa: N802
+    def visit_Attribute(self, node: Any) -> ast.AST:  # noqa: N802
         """An attribute, also of a module of the package."""
         found = self.visit_reference(node)
         return found if found is not node else self.generic_visit(node)
 
-    def visit_body(self, node):
+    def visit_body(self, node: Any) -> ast.AST:
         """A function, class or module: without docstrings and imports."""
         node.body = [
             part for part in node.body if not is_docstring(part) and not is_import(part)
         ] or [ast.Pass()]
         return self.generic_visit(node)
 
-    visit_Module = visit_ClassDef = visit_body
+    visit_Module = visit_body
 
-    def visit_FunctionDef(self, node):  # noqa: N802
+    def visit_ClassDef(self, node: Any) -> ast.AST:  # noqa: N802
+        """A class: without the methods that show it."""
+        node.body = [part for part in node.body if getattr(part, "name", "") not in VIEWS]
+        return self.visit_body(node)
+
+    def visit_FunctionDef(self, node: Any) -> ast.AST:  # noqa: N802
         """A function: without the annotation of its result."""
         node.returns = None
         return self.visit_body(node)
 
-    def visit_arg(self, node):
+    def visit_arg(self, node: Any) -> ast.AST:
         """An argument: its name."""
         node.annotation = None
         return node
 
-    def visit_Raise(self, node):  # noqa: N802
+    def visit_Raise(self, node: Any) -> ast.AST:  # noqa: N802
         """An error that is raised: its class."""
         if isinstance(node.exc, ast.Call):
             node.exc = node.exc.func
         return self.generic_visit(node)
 
-    def visit_Call(self, node):  # noqa: N802
+    def visit_Call(self, node: Any) -> ast.AST:  # noqa: N802
         """A call; None for a call that only describes a value."""
         name = called_name(node)
         if name in PROSE:
@@ -190,6 +202,6 @@ class Counted(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-def is_method(node):
+def is_method(node: ast.AST) -> bool:
     """Whether a statement of a section is a method that gives numbers."""
     return isinstance(node, ast.FunctionDef) and node.name not in CASE_FILE

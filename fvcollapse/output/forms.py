@@ -3,7 +3,9 @@
 Keys that a form does not name are allowed: a later version may write more.
 """
 
+from collections.abc import Iterator
 from operator import ge, gt, le, lt
+from typing import Any
 
 import msgspec
 from msgspec import inspect
@@ -35,7 +37,7 @@ LIMITS = {"gt": (">", gt), "ge": (">=", ge), "lt": ("<", lt), "le": ("<=", le)}
 LENGTHS = {"min_length": (">=", ge), "max_length": ("<=", le)}
 
 
-def form_problems(tree, form):
+def form_problems(tree: Any, form: Any) -> Iterator[tuple[str, str, str]]:
     """(key, what was found, what is allowed) of the first value that does not fit; nothing if all do.
 
     Parameters
@@ -54,7 +56,7 @@ def form_problems(tree, form):
         yield key, show(misfit.value), allowed_by(misfit.value, misfit.form)
 
 
-def allowed_by(value, form):
+def allowed_by(value: Any, form: Any) -> str:
     """What a form allows in place of a value that does not fit, in words."""
     struct = chosen(value, form)
     if is_struct(struct) and isinstance(value, dict):
@@ -75,7 +77,7 @@ def allowed_by(value, form):
     return " ".join([kind, *limits, *lengths])
 
 
-def allowed_in_table(value, struct):
+def allowed_in_table(value: Any, struct: Any) -> str:
     """The same for a table all of whose values fit."""
     for field in msgspec.structs.fields(struct):
         if field.required and field.encode_name not in value:
@@ -87,7 +89,7 @@ def allowed_in_table(value, struct):
     return "a table"
 
 
-def words(info):
+def words(info: Any) -> str:
     """A form in words, from what msgspec knows of it."""
     if isinstance(info, inspect.UnionType):
         return " or ".join(dict.fromkeys(map(words, info.types)))
@@ -97,7 +99,7 @@ def words(info):
     return KINDS.get(type(info), "another kind of value") + length
 
 
-def exceeded(info, limits, size):
+def exceeded(info: Any, limits: dict, size: Any) -> Iterator[tuple[str, Any]]:
     """(sign, limit) of each limit of a form that a number, or a length, does not keep."""
     for name, (sign, keeps) in limits.items():
         limit = getattr(info, name, None)

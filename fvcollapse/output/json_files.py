@@ -2,13 +2,15 @@
 
 import json
 from math import isfinite
+from pathlib import Path
+from typing import Any
 
 from fvcollapse.case.grammar import read_text, show
 from fvcollapse.errors import InputError
 from fvcollapse.files.trees import tree_problems
 
 
-def read_object(path, what):
+def read_object(path: str | Path, what: str) -> dict:
     """The JSON object in a file.
 
     Parameters
@@ -42,7 +44,7 @@ def read_object(path, what):
     return table
 
 
-def finite(text):
+def finite(text: str) -> float:
     """A number that a float can hold."""
     value = float(text)
     if not isfinite(value):
@@ -50,12 +52,12 @@ def finite(text):
     return value
 
 
-def refuse_constant(name):
+def refuse_constant(name: str) -> Any:
     """NaN and infinities are no JSON."""
     raise ValueError(f"{name}, which is no number of JSON")
 
 
-def each_once(pairs):
+def each_once(pairs: list[tuple[str, Any]]) -> dict:
     """The object of some pairs; a name that is there twice is refused."""
     table = dict(pairs)
     if len(table) < len(pairs):

@@ -1,6 +1,13 @@
 """What a run leaves in its folder while it goes on, when it is stopped, and at its end."""
 
+import io
 import time
+from collections.abc import Callable
+from logging import Logger
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
 
 from fvcollapse.console.interruption import Interrupted
 from fvcollapse.errors import OutputError, as_output_error
@@ -9,6 +16,11 @@ from fvcollapse.output.run_folder import CHECKPOINT, RESULT, XDMF
 from fvcollapse.output.stepping import ending
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, RUNNING
 from fvcollapse.output.xdmf import xdmf_text
+
+if TYPE_CHECKING:
+    from fvcollapse.output.run import Job
+    from fvcollapse.step.advance import StepRecord
+
 
 SAVING_SHARE = 0.05  # largest share of the wall time that is spent on saving
 CAPPED_LOGGED = 20  # capped steps that are logged one by one
@@ -23,12 +35,12 @@ class Keeper:
         Gets the finished job, of which no result is wanted; see `run_without_result`.
     """
 
-    def __init__(self, job, folder, log, interval):
+    def __init__(self, job: "Job", folder: Path, log: Logger, interval: float) -> None:
         self.job, self.folder, self.log, self.interval = job, folder, log, interval
         self.saved_at, self.cost, self.capped, self.running = time.monotonic(), 0.0, 0, False
-        self.keep = None
+        self.keep: Callable | None = None
 
-    def march(self, bar, interrupted):
+    def march(self, bar: Any, interrupted: Callable[[], int]) -> None:
         """Run the job to its end; the last good state is saved, whatever ends the run."""
 
         def after_steps(records):
@@ -56,7 +68,7 @@ class Keeper:
             raise failure from (None if failure is error else error)
         self.save(COMPLETE)
 
-    def note(self, record):
+    def note(self, record: "StepRecord") -> None:
         """Log a capped step."""
         if not record.capped:
             return
@@ -71,7 +83,7 @@ class Keeper:
         if self.capped == CAPPED_LOGGED:
             self.log.warning("further capped steps are only counted")
 
-    def save(self, status):
+    def save(self, status: str) -> None:
         """Checkpoint, result and XDMF file, in this order, each replaced atomically; see `keep`."""
         start, job = time.monotonic(), self.job
         try:
@@ -94,8 +106,10 @@ class Keeper:
             self.capped,
         )
 
-    def save_result(self, status):
+    def save_result(self, status: str) -> None:
         """Result and XDMF file."""
-        job = self.job
-        write_atomic(self.folder / RESULT, job.result_image(status), self.running)
-        write_atomic(self.folder / XDMF, xdmf_text(job.recorder.store, RESULT), self.running)
+        image = self.job.result_image(status)
+        with h5py.File(io.BytesIO(image), "r") as file:
+            text = xdmf_text(file, RESULT)
+        write_atomic(self.folder / RESULT, image, self.running)
+        write_atomic(self.folder / XDMF, text, self.running)

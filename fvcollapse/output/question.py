@@ -13,8 +13,9 @@ computed (number of workers, scheduler, cache) nor what is printed.
 
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fvcollapse.case.grammar import as_table
 from fvcollapse.errors import InputError, OutputError
@@ -28,12 +29,16 @@ from fvcollapse.files.targets import (
     refuse_bad_target,
 )
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 RECORD = "question.json"
 FORMAT = "fvcollapse-question"
 OUTPUTS = ("time.output_interval", "time.field_interval", "time.output_times")
 
 
-def case_question(case, without=()):
+def case_question(case: "Case", without: Sequence[str] = ()) -> dict[str, Any]:
     """The keys of a case as {"case.section.key": value}, those that only concern outputs left out.
 
     Parameters
@@ -49,9 +54,9 @@ def case_question(case, without=()):
     }
 
 
-def flat(table, prefix=""):
+def flat(table: dict, prefix: str = "") -> dict[str, Any]:
     """{dotted name: value} of a nested table; an empty section counts as a key."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, dict) and value:
             found |= flat(value, f"{prefix}{name}.")
@@ -60,7 +65,7 @@ def flat(table, prefix=""):
     return found
 
 
-def covers(key, name):
+def covers(key: str, name: str) -> bool:
     """Whether a dotted name is a key, or in the section of that name."""
     return name == key or name.startswith(f"{key}.")
 
@@ -81,7 +86,13 @@ class Latitude(NamedTuple):
     growing: tuple = ()
 
 
-def claim_folder(folder, command, question, force=False, latitude=Latitude()):  # noqa: B008 (immutable)
+def claim_folder(
+    folder: str | Path,
+    command: str,
+    question: dict,
+    force: bool = False,
+    latitude: Latitude = Latitude(),  # noqa: B008 (immutable)
+) -> bool:
     """Make a folder the place of a question, or find that it already is.
 
     Parameters
@@ -122,10 +133,10 @@ def claim_folder(folder, command, question, force=False, latitude=Latitude()):  
         same, free = False, list(latitude.free)
         if stored is not None:
             shared = [name for name in free if name in stored["free"]]
-            found = differences(stored, command, question, latitude._replace(free=shared))
-            same, free = not found, shared if not found else free
-            if found and not force:
-                raise other_question(folder / RECORD, found[0], stored, command, question)
+            other = differences(stored, command, question, latitude._replace(free=tuple(shared)))
+            same, free = not other, shared if not other else free
+            if other and not force:
+                raise other_question(folder / RECORD, other[0], stored, command, question)
         content = {"format": FORMAT, "command": command, "question": question, "free": free}
         if content != stored:
             text = json.dumps(content, indent=1, sort_keys=True) + "\n"
@@ -133,17 +144,17 @@ def claim_folder(folder, command, question, force=False, latitude=Latitude()):  
     return same
 
 
-def as_stored(question):
+def as_stored(question: dict) -> dict:
     """The question as it is read back from JSON."""
     return json.loads(json.dumps(question))
 
 
-def is_own(name):
+def is_own(name: str) -> bool:
     """Whether a file is one that this module, or a file that is being written, leaves in a folder."""
     return name in (LOCK, RECORD) or name.startswith(PREFIX)
 
 
-def stored_question(path, force):
+def stored_question(path: Path, force: bool) -> dict | None:
     """What `question.json` holds; None if there is none, or if it is broken and may be replaced."""
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -158,7 +169,7 @@ def stored_question(path, force):
     return stored if whole else None
 
 
-def differences(stored, command, question, latitude):
+def differences(stored: dict, command: str, question: dict, latitude: Latitude) -> list[str]:
     """Names in which a question differs from the one stored, beyond the latitude."""
     if stored["command"] != command:
         return ["command"]
@@ -173,7 +184,7 @@ def differences(stored, command, question, latitude):
     return [name for name in sorted(before.keys() | question.keys()) if not same(name)]
 
 
-def other_question(path, name, stored, command, question):
+def other_question(path: Path, name: str, stored: dict, command: str, question: dict) -> InputError:
     """The InputError that names a difference to the question that was stored."""
     before, now = stored["question"].get(name), question.get(name)
     if name == "command":
@@ -182,13 +193,13 @@ def other_question(path, name, stored, command, question):
     return InputError(path, name.removeprefix("case."), shown(now), allowed)
 
 
-def shown(value):
+def shown(value: Any) -> str:
     """A value of a question in a few words."""
     text = "absent" if value is None else json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def claim_file(path, force=False, copy_of=None):
+def claim_file(path: str | Path | None, force: bool = False, copy_of: Path | None = None) -> None:
     """Refuse a file that is to be written last (None: none) if it is there, or cannot be written.
 
     Parameters

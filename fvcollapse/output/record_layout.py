@@ -4,8 +4,9 @@ The checks hold for everything that a run can leave, also for one that went wron
 result: a volume that has doubled is a bad result and a sound file, a volume below nothing is neither.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import h5py
 import numpy as np
 
 from fvcollapse.output.field_layout import (
@@ -26,6 +27,10 @@ from fvcollapse.output.stored_numbers import (
     refuse_fall,
 )
 from fvcollapse.step.erodible_bed import layer_thickness
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 FORMAT_VERSION = 1
 RESOLUTION = 2.0**-18  # m, 4 micrometres, of the heights of an extract: trailing zeros compress
@@ -60,7 +65,7 @@ class Record(NamedTuple):
     profiles: dict
 
 
-def read_record(file, case, complete_fields=False):
+def read_record(file: Any, case: "Case", complete_fields: bool = False) -> Record:
     """Read /series, /steps and /profiles, and check them and the forms of /fields.
 
     Parameters
@@ -92,7 +97,7 @@ def read_record(file, case, complete_fields=False):
     return record
 
 
-def read_series(file, case):
+def read_series(file: Any, case: "Case") -> dict[str, np.ndarray]:
     """Read /series; one that came later may be absent and is zero then."""
     time = numbers_of(file, "series/time", (None,), POSITIVE, kinds="f")
     if not time.size:
@@ -114,7 +119,7 @@ def read_series(file, case):
     return series
 
 
-def read_steps(file, time):
+def read_steps(file: Any, time: np.ndarray) -> dict[str, np.ndarray]:
     """Read /steps, one row less than the series, and every further data set in it."""
     shape, kinds = (len(time) - 1,), NUMBERS + "b"
     steps = {
@@ -125,7 +130,7 @@ def read_steps(file, time):
     return steps
 
 
-def read_profiles(file, case):
+def read_profiles(file: Any, case: "Case") -> dict[str, np.ndarray]:
     """Read /profiles."""
     time = numbers_of(file, "profiles/time", (None,), POSITIVE)
     x = numbers_of(file, "profiles/x", (None,), LENGTH)
@@ -144,12 +149,12 @@ def read_profiles(file, case):
     return {"time": time, "x": x} | heights
 
 
-def lowest(case):
+def lowest(case: "Case") -> float:
     """Least height of a surface [m]: an erodible layer may be gone; an extract rounds it."""
     return -layer_thickness(case) * (1.0 + SAME) - SAME - 0.5 * RESOLUTION
 
 
-def check_header(file, complete=False):
+def check_header(file: h5py.File, complete: bool = False) -> None:
     """Check the version of the format, and whether there is a truth value `complete` if there must be.
 
     Raises

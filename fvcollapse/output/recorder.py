@@ -5,8 +5,9 @@ last bit. Fields are compressed once, into an HDF5 file in memory. Every result 
 copies them from there.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import h5py
 import numpy as np
 
 from fvcollapse.files.hdf5 import memory_file, write_dataset
@@ -17,6 +18,13 @@ from fvcollapse.measure.series_row import ROW
 from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS, about_field
 from fvcollapse.step.erodible_bed import layer_thickness
 from fvcollapse.step.geometry import cell_fractions
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.simulation import Simulation
+    from fvcollapse.step.grid import Grid
+    from fvcollapse.step.state import State
+
 
 DERIVED = ("front_velocity", "numerical_loss")  # from the other series, when written
 RUNNING = {"runout": "front_position", "runout_1mm": "front_1mm", "runout_10mm": "front_10mm"}
@@ -42,7 +50,7 @@ class Columns(NamedTuple):
     profiles: dict
 
 
-def schedule(case):
+def schedule(case: "Case") -> list[Landing]:
     """All `Landing`s of a case in order; times are k * interval, never accumulated."""
     end = case.time.end
     wanted = [(0.0, True, True)]
@@ -61,7 +69,7 @@ def schedule(case):
     return merged
 
 
-def multiples(interval, end):
+def multiples(interval: float, end: float) -> list[float]:
     """Values k * interval for k = 1, 2, … up to the end (and the round-off of it)."""
     return [k * interval for k in range(1, int(end / interval + SAME_TIME) + 1)]
 
@@ -79,7 +87,7 @@ class Recorder:
         In memory; /fields/<index> and /paraview/<index>.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.series = {name: [] for name in SERIES if name not in DERIVED}
         self.steps = {}
         self.profile_times, self.x = [], np.zeros(0)
@@ -90,12 +98,12 @@ class Recorder:
 
     # -- while the run goes on -------------------------------------------------------------------
 
-    def add_start(self, simulation, landing):
+    def add_start(self, simulation: "Simulation", landing: Landing) -> None:
         """Record the start of a run."""
         self.add_rows(simulation.row[None])
         self.add_landing(simulation, landing)
 
-    def add_rows(self, rows):
+    def add_rows(self, rows: np.ndarray) -> None:
         """Append rows (n, len(ROW)) of the series, and the running maxima."""
         columns = dict(zip(ROW, rows.T, strict=True))
         columns["negative_pressure_cells"] = columns["negative_pressure_cells"].astype(int)
@@ -108,7 +116,7 @@ class Recorder:
         share = self.series[AT_LANDINGS]
         share += len(rows) * (share[-1:] or [0.0])
 
-    def add_steps(self, marched, wall_time):
+    def add_steps(self, marched: Any, wall_time: float) -> None:
         """Append what a march has done in so many seconds; they are divided evenly among its steps."""
         if not marched.records:
             return
@@ -118,7 +126,7 @@ class Recorder:
             for name, value in (record._asdict() | {"wall_time": each}).items():
                 self.steps.setdefault(name, []).append(value)
 
-    def add_landing(self, simulation, landing):
+    def add_landing(self, simulation: "Simulation", landing: Landing) -> None:
         """Record what is due at a landing: the ill-posed share, the profile, the field."""
         quantities = simulation.cell_quantities()
         self.series[AT_LANDINGS][-1] = ill_posed_share(simulation.state, quantities)
@@ -127,7 +135,7 @@ class Recorder:
         if landing.field:
             self.add_field(simulation, quantities)
 
-    def add_profile(self, simulation):
+    def add_profile(self, simulation: "Simulation") -> None:
         """Append thickness and static–flowing interface, from the surface of an erodible layer."""
         state, grid, layer = simulation.state, simulation.grid, layer_thickness(simulation.case)
         self.profile_times.append(state.time)
@@ -135,7 +143,7 @@ class Recorder:
         self.profiles["thickness"].append(thickness(state.level_set, grid.dz) - layer)
         self.profiles["static_height"].append(static_height(state, grid) - layer)
 
-    def add_field(self, simulation, quantities):
+    def add_field(self, simulation: "Simulation", quantities: dict[str, np.ndarray]) -> None:
         """Compress the present fields into /fields/<index>, and write the arrays for ParaView.
 
         `quantities` are those of `Simulation.cell_quantities`.
@@ -152,7 +160,7 @@ class Recorder:
             write_dataset(group, name, values, *about_field(name))
         write_paraview(self.store["paraview"].create_group(index), state, grid)
 
-    def drop_end(self, landings, end):
+    def drop_end(self, landings: list[Landing], end: float) -> None:
         """Forget the snapshots at a previous `end` that are not in the present schedule."""
         here = [landing for landing in landings if abs(landing.time - end) < SAME_TIME]
         profile, field = (
@@ -172,7 +180,7 @@ class Recorder:
 
     # -- to and from a file ----------------------------------------------------------------------
 
-    def columns(self):
+    def columns(self) -> Columns:
         """The `Columns` of the record."""
         series = self.series | {
             "front_velocity": front_velocity(self.series["time"], self.series["front_position"]),
@@ -185,7 +193,7 @@ class Recorder:
             {"time": np.array(self.profile_times), "x": self.x} | heights,
         )
 
-    def write(self, file):
+    def write(self, file: h5py.File) -> None:
         """Write /series, /profiles, /fields, /steps and /paraview into an open HDF5 file."""
         columns = self.columns()
         for name, about in SERIES.items():
@@ -202,7 +210,7 @@ class Recorder:
             self.store.copy(name, file)
 
     @classmethod
-    def read(cls, file):
+    def read(cls, file: h5py.File) -> "Recorder":
         """The recorder that wrote this file, whose form has been checked (see `record_layout`)."""
         recorder = cls()
         recorder.series = {name: file["series"][name][:].tolist() for name in recorder.series}
@@ -216,7 +224,7 @@ class Recorder:
         return recorder
 
 
-def pad_rows(rows, width):
+def pad_rows(rows: list[np.ndarray], width: int) -> np.ndarray:
     """Rows of growing length as one array, with zeros beyond the end that the domain had then."""
     table = np.zeros((len(rows), width))
     for row, values in zip(table, rows, strict=True):
@@ -224,7 +232,7 @@ def pad_rows(rows, width):
     return table
 
 
-def write_paraview(group, state, grid):
+def write_paraview(group: h5py.Group, state: "State", grid: "Grid") -> None:
     """Node coordinates and cell-centred velocity, (…, 3): what XDMF cannot express.
 
     ParaView's y is z here (normal to the bed), so that its first view shows the pile upright. The velocity is zero

@@ -5,15 +5,21 @@ A run that is resumed therefore ends where an uninterrupted one does.
 """
 
 from bisect import bisect_left
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.measure.observables import SPEED_REST
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.step.gate import gate_height, gate_lift
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 SPELL = 0.1  # s that nothing may be faster than `SPEED_REST`
 
 
-def rests(case, series):
+def rests(case: "Case", series: Mapping[str, Any]) -> bool:
     """Whether the pile has rested at the end of its series for `SPELL`, the gate above the column all the while.
 
     Parameters
@@ -35,12 +41,12 @@ def rests(case, series):
     return max(series["max_speed"][max(first, 0) :]) < SPEED_REST
 
 
-def stops(case, series):
+def stops(case: "Case", series: Mapping[str, Any]) -> bool:
     """Whether a run of this case that has landed at the end of its series goes no further, before its time."""
     early = series["time"][-1] < case.time.end - SAME_TIME
     return early and case.time.stop_at_rest and rests(case, series)
 
 
-def reached_end(case, series):
+def reached_end(case: "Case", series: Mapping[str, Any]) -> float:
     """Time [s] at which a run of this case ends, as far as its series shows."""
     return series["time"][-1] if stops(case, series) else case.time.end

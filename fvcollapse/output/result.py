@@ -4,19 +4,28 @@ import io
 import json
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import h5py
 import numpy as np
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.draw.html import html_table
 from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.output.field_layout import read_field
+from fvcollapse.output.labels import tree_of
 from fvcollapse.output.record_layout import check_header, read_record
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.case.case import Case
+    from fvcollapse.draw.drawing import Picture
 
 FORMAT = "fvcollapse-result"
 
@@ -62,7 +71,7 @@ class Result:
         None for a run in memory.
     """
 
-    def __init__(self, source):
+    def __init__(self, source: Any) -> None:
         self._source = source
         self.path = None if isinstance(source, io.BytesIO) else Path(source)
         with reading(source, FORMAT) as file:
@@ -87,18 +96,18 @@ class Result:
         raise AttributeError(f"a result has no {name}")
 
     @property
-    def ended_at_rest(self):
+    def ended_at_rest(self) -> bool:
         """See the attributes."""
         early = self.series["time"][-1] < self.case.time.end - SAME_TIME
         return self.complete and self.case.time.stop_at_rest and bool(early)
 
-    def field(self, index):
+    def field(self, index: int) -> dict[str, Any]:
         """Fields of one stored time (−1: the last): dict of arrays, and floats time, dx, dz."""
         index = range(len(self.field_times))[index]
         with reading(self._source, FORMAT, f"fields/{index}") as file:
             return read_field(file, index)
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """The numbers of the summary table, SI units; `arrest_time` is None when not at rest."""
         series, steps = self.series, self.steps
         peak, peak_time = peak_front_velocity(series["time"], series["front_velocity"])
@@ -130,14 +139,52 @@ class Result:
             "wall_time": float(steps["wall_time"].sum()),
         }
 
-    def summary_table(self):
+    def plot(self, what: str = "speed", **look: Any) -> "Picture":
+        """A figure, which a notebook shows.
+
+        Parameters
+        ----------
+        what : str
+            "profiles", "interface", "front", "volume", "speed", or a field at the cell centres.
+        **look
+            Options of `fvcollapse.draw.look.Look`: `upright=True`, `times=(0.1, 0.5)`.
+
+        Raises
+        ------
+        InputError
+            There is no such field.
+        """
+        from fvcollapse.draw.figures import draw  # loads matplotlib
+        from fvcollapse.draw.look import Look
+
+        return draw(self, what, Look(**look))
+
+    def to_xarray(self, fields: bool = True) -> "xarray.DataTree":
+        """All arrays with names, units and coordinates, in the groups series, steps, profiles and fields.
+
+        Parameters
+        ----------
+        fields : bool
+            The fields as well: all in memory, on the largest of their grids, NaN beyond an earlier one.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        return tree_of(self, fields)
+
+    def _repr_html_(self) -> str:
+        return html_table("run", summary_rows(self.summary(), self.case))
+
+    def summary_table(self) -> str:
         """The summary as aligned plain text."""
         rows = summary_rows(self.summary(), self.case)
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
 
 
-def open_result(path):
+def open_result(path: str | Path) -> Result:
     """The result at `path`: the file, or the folder that holds `result.h5`.
 
     Raises
@@ -149,7 +196,7 @@ def open_result(path):
     return Result(path / "result.h5" if os.path.isdir(path) else path)
 
 
-def write_status(file, status, trust):
+def write_status(file: h5py.File, status: str, trust: Trust) -> None:
     """Write status and trust of a run as root attributes of an open result.
 
     Parameters
@@ -165,14 +212,14 @@ def write_status(file, status, trust):
     file.attrs["trust_reasons"] = json.dumps(trust.reasons)
 
 
-def read_status(file, complete):
+def read_status(file: h5py.File, complete: bool) -> str:
     """`Result.status`; for an older file without this attribute it follows from `complete`."""
     if "status" in file.attrs:
         return text_attribute(file, "status")
     return COMPLETE if complete else INTERRUPTED
 
 
-def read_trust(file):
+def read_trust(file: h5py.File) -> Trust | None:
     """The `Trust` in a file; None for an older file without it."""
     if "trust" not in file.attrs:
         return None
@@ -180,31 +227,31 @@ def read_trust(file):
     return Trust(text_attribute(file, "trust"), tuple(map(str, reasons)))
 
 
-def read_field_times(file):
+def read_field_times(file: h5py.File) -> np.ndarray:
     """Times of the fields in order; the groups are numbered from 0."""
     fields = file["fields"]
     return np.array([fields[str(index)].attrs["time"] for index in range(len(fields))])
 
 
-def share_of_dissipation(summary, name):
+def share_of_dissipation(summary: dict, name: str) -> float:
     """An energy of the summary in % of the dissipated energy."""
     total = summary["dissipation"] + summary["numerical_loss"]
     return 100.0 * summary[name] / total if total > 0.0 else 0.0
 
 
-def runout_words(s):
+def runout_words(s: dict) -> str:
     """The farthest front, and that of the deposit, which may be nearer where the tip thins."""
     return f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end"
 
 
-def end_words(s, case):
+def end_words(s: dict, case: "Case") -> str:
     """How the simulated time is related to the end of the case; empty where it is that."""
     if s["ended_at_rest"]:
         return f" of {case.time.end:g} s (ended at rest)"
     return "" if s["complete"] else f" of {case.time.end:g} s (incomplete)"
 
 
-def summary_rows(summary, case):
+def summary_rows(summary: dict, case: "Case") -> list[tuple[str, str]]:
     """Name and value, as text, of each line of the summary table."""
     s = summary
     arrest = (

@@ -6,12 +6,15 @@ interrupted or fails, and at the end.
 """
 
 import io
+from collections.abc import Callable
 from functools import partial
+from logging import Logger
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
-from fvcollapse.case.case import case_from_text
+from fvcollapse.case.case import Case, case_from_text
 from fvcollapse.console.bars import progress_bar
 from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import (
@@ -23,6 +26,7 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
 from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.keeper import Keeper
+from fvcollapse.output.meshes import write_meshes
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
 from fvcollapse.output.rest import reached_end, stops
 from fvcollapse.output.result import FORMAT, Result, open_result, write_status
@@ -42,6 +46,11 @@ from fvcollapse.output.trust import COMPLETE, RUNNING
 from fvcollapse.simulation import Simulation
 from fvcollapse.step.compiled import not_kept
 
+if TYPE_CHECKING:
+    from fvcollapse.output.checkpoint import Checkpoint
+    from fvcollapse.output.recorder import Landing
+
+
 UNCACHED = (
     "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
     "set NUMBA_CACHE_DIR to a folder that may be written"
@@ -49,32 +58,49 @@ UNCACHED = (
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
 
 
-def run(case, folder=None):
+def run(case: Case, folder: str | Path | None = None, quiet: bool = True) -> Result:
     """Run a case: into a folder, as the command line does, or in memory if no folder is given.
 
     A folder that holds a run of the same case is continued.
 
+    Parameters
+    ----------
+    case : Case
+    folder : str or Path, optional
+    quiet : bool
+        No progress bar. With False there is one in a notebook and on a terminal.
+
     Returns
     -------
     Result
+
+    Raises
+    ------
+    InputError
+        The folder holds a run of another case.
+    OutputError
+        It cannot be written.
+    NumericalError
+        The run failed; in a folder what was computed is kept.
     """
     if folder is not None:
-        return run_case(case, folder, holds_run(case, Path(folder)), quiet=True)
-    with failures_named(), progress_bar(case, 0.0, quiet=True) as bar:
+        return run_case(case, folder, holds_run(case, Path(folder)), quiet=quiet)
+    tell_compilation(quiet)
+    with failures_named(), progress_bar(case, 0.0, quiet) as bar:
         job = Job(case)
         job.march(bar)
     return Result(io.BytesIO(job.result_image(COMPLETE)))
 
 
 def run_case(
-    case,
-    folder,
-    resume=False,
-    quiet=False,
-    checkpoint_interval=None,
-    force=False,
-    simulate=None,
-):
+    case: Case,
+    folder: str | Path,
+    resume: bool = False,
+    quiet: bool = False,
+    checkpoint_interval: float | None = None,
+    force: bool = False,
+    simulate: Callable | None = None,
+) -> Result:
     """Run a case into `folder`, or continue what is there.
 
     Parameters
@@ -132,7 +158,14 @@ def run_case(
     return result
 
 
-def begun(case, folder, log, stored, make, interval=None):
+def begun(
+    case: Case,
+    folder: Path,
+    log: Logger,
+    stored: "Checkpoint | None",
+    make: Callable,
+    interval: float | None = None,
+) -> Keeper:
     """The `Keeper` of a run that starts at t = 0, or where a `Checkpoint` was `stored`; `make` makes its `Job`."""
     log_start(log, case, stored)
     if not_kept():
@@ -142,7 +175,7 @@ def begun(case, folder, log, stored, make, interval=None):
     return Keeper(job, folder, log, CHECKPOINT_INTERVAL if interval is None else interval)
 
 
-def march_on(keeper, quiet):
+def march_on(keeper: Keeper, quiet: bool) -> None:
     """March to the end with a progress bar; a signal is heeded after a step."""
     job = keeper.job
     with progress_bar(job.case, job.state.time, quiet) as bar, deferred_interrupt() as interrupted:
@@ -155,7 +188,13 @@ class Job:
     `simulate` makes the simulation of (case, state), if not `Simulation` itself; without `fields` none are recorded.
     """
 
-    def __init__(self, case, stored=None, simulate=None, fields=True):
+    def __init__(
+        self,
+        case: Case,
+        stored: "Checkpoint | None" = None,
+        simulate: Callable | None = None,
+        fields: bool = True,
+    ) -> None:
         simulate = simulate or Simulation
         self.case, self.landings = case, schedule(case)
         if not fields:
@@ -172,7 +211,7 @@ class Job:
         self.state = self.simulation.state.copy()  # the last good state
         self.pace = Pace()
 
-    def march(self, bar, after_steps=lambda records: None):
+    def march(self, bar: Any, after_steps: Callable[[list], object] = lambda records: None) -> None:
         """Step from the present time to the end of the case, landing on every scheduled time; see `rest`."""
         with threadpool_limits(1):  # the band is too narrow for threads; runs share the cores
             for landing in self.landings:
@@ -186,14 +225,14 @@ class Job:
                 if self.stops_here():
                     return
 
-    def stops_here(self):
+    def stops_here(self) -> bool:
         """Whether the record ends at a landing at which the run stops before its end, since the pile rests."""
         series = self.recorder.series
         if not stops(self.case, series):
             return False
         return any(abs(landing.time - series["time"][-1]) < SAME_TIME for landing in self.landings)
 
-    def steps(self, landing):
+    def steps(self, landing: "Landing") -> list:
         """Some steps towards a landing, recorded; return their `StepRecord`s.
 
         Raises
@@ -209,20 +248,21 @@ class Job:
             raise marched.problem
         return marched.records
 
-    def consistent(self):
+    def consistent(self) -> bool:
         """Whether record and last good state belong together (not in the midst of a step)."""
         return self.recorder.series["time"][-1] == self.state.time
 
-    def checkpoint_image(self):
+    def checkpoint_image(self) -> bytes:
         """checkpoint.h5 as bytes."""
         return checkpoint_image(self.case, self.state, self.recorder)
 
-    def result_image(self, status):
+    def result_image(self, status: str) -> bytes:
         """result.h5 as bytes; `status` says how far the run is (see `Result`)."""
 
         def fill(file):
             write_header(file, FORMAT, self.case)
             write_status(file, status, trust_of_record(self.recorder, status, self.case))
             self.recorder.write(file)
+            write_meshes(file)
 
         return build_image(fill)

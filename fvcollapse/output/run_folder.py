@@ -2,6 +2,9 @@
 
 import tomllib
 from contextlib import suppress
+from logging import Logger
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import InputError, OutputError, UnreadableError
@@ -13,7 +16,13 @@ from fvcollapse.output.checkpoint import read_checkpoint
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.result import open_result
 from fvcollapse.output.run_log import tell
-from fvcollapse.output.xdmf import xdmf_text
+from fvcollapse.output.xdmf import has_meshes, xdmf_text
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.output.checkpoint import Checkpoint
+    from fvcollapse.output.result import Result
+
 
 RESULT, CHECKPOINT, XDMF = "result.h5", "checkpoint.h5", "result.xdmf"
 # what may change when a run is continued: where it ends, and its outputs
@@ -27,7 +36,7 @@ OUTPUT_KEYS = (
 FORMATS = {RESULT: result.FORMAT, CHECKPOINT: checkpoint.FORMAT}
 
 
-def key_values(case):
+def key_values(case: "Case") -> dict[str, Any]:
     """All keys of a case that are present, as {dotted name: value}."""
 
     def flatten(table, prefix):
@@ -40,14 +49,14 @@ def key_values(case):
     return dict(flatten(tomllib.loads(case.to_toml()), ""))
 
 
-def holds_run(case, folder):
+def holds_run(case: "Case", folder: Path) -> bool:
     """Whether a folder holds a run of exactly this case, finished or not."""
-    found = [stored_case(folder / name) for name in FORMATS]
-    found = [key_values(stored) for stored in found if stored is not None]
+    stored = [stored_case(folder / name) for name in FORMATS]
+    found = [key_values(one) for one in stored if one is not None]
     return bool(found) and all(values == key_values(case) for values in found)
 
 
-def stored_case(path):
+def stored_case(path: Path) -> "Case | None":
     """The case in a result or checkpoint; None if it is missing or cannot be read."""
     try:
         with reading(path, FORMATS[path.name]) as file:
@@ -58,7 +67,7 @@ def stored_case(path):
         return None
 
 
-def ready(case, folder, resume, force):
+def ready(case: "Case", folder: Path, resume: bool, force: bool) -> bool:
     """Whether to continue what is in a folder that this run holds now; another run goes if `force`."""
     if force:
         resume = holds_run(case, folder)
@@ -69,7 +78,7 @@ def ready(case, folder, resume, force):
     return resume
 
 
-def refuse_existing(folder):
+def refuse_existing(folder: Path) -> None:
     """Refuse a folder that already holds a result (or the checkpoint of one)."""
     for name in (RESULT, CHECKPOINT):
         if is_there(folder / name):
@@ -81,14 +90,14 @@ def refuse_existing(folder):
             )
 
 
-def serves(finished, case):
+def serves(finished: "Result", case: "Case") -> bool:
     """Whether a finished result goes to the end of a case that differs in end and outputs only."""
     if finished.ended_at_rest:
         return case.time.stop_at_rest or case.time.end <= finished.time[-1] + SAME_TIME
     return case.time.end <= finished.case.time.end + SAME_TIME
 
 
-def refuse_other_case(case, stored, path):
+def refuse_other_case(case: "Case", stored: "Case", path: Path) -> None:
     """Refuse to continue a run with a case that differs in more than its end and outputs."""
     new, old = key_values(case), key_values(stored)
     for name in sorted(new.keys() | old.keys()):
@@ -98,7 +107,7 @@ def refuse_other_case(case, stored, path):
             raise InputError(path, name, str(new.get(name, "absent")), allowed)
 
 
-def remove_run(folder):
+def remove_run(folder: Path) -> None:
     """Remove result, checkpoint and XDMF file of a run that is to be replaced.
 
     Raises
@@ -112,7 +121,7 @@ def remove_run(folder):
             raise OutputError(folder / name, error, running=False) from None
 
 
-def tidy(folder):
+def tidy(folder: Path) -> None:
     """Remove what killed runs left half written; only for the run that holds the folder."""
     remove_stale(folder)
     for name in (RESULT, CHECKPOINT, XDMF):  # the names of earlier versions
@@ -120,21 +129,25 @@ def tidy(folder):
             (folder / f".{name}.tmp").unlink(missing_ok=True)
 
 
-def renew_xdmf(folder):
+def renew_xdmf(folder: Path) -> None:
     """Write the XDMF file that belongs to the result, unless it is there: a kill may have come before it.
+
+    A result of an earlier version, without meshes, keeps the one that it has.
 
     Raises
     ------
     OutputError
     """
     with reading(folder / RESULT, result.FORMAT) as file:
+        if not has_meshes(file):
+            return
         text = xdmf_text(file, RESULT)
     path = folder / XDMF
     if not path.is_file() or path.read_bytes() != text:
         write_atomic(path, text, running=False)
 
 
-def usable_checkpoint(folder, log):
+def usable_checkpoint(folder: Path, log: Logger) -> "Checkpoint | None":
     """The checkpoint in the folder; None, with a warning in the log, if it is missing or broken."""
     path = folder / CHECKPOINT
     if not path.exists():
@@ -149,7 +162,9 @@ def usable_checkpoint(folder, log):
         return None
 
 
-def finished_result(case, folder, stored, log):
+def finished_result(
+    case: "Case", folder: Path, stored: "Checkpoint | None", log: Logger
+) -> "Result | None":
     """The result in the folder if it is complete to the end of the case, else None.
 
     Raises

@@ -1,32 +1,42 @@
-"""The log of a run: run.log in its folder, which one run at a time may hold."""
+"""The log of a run: run.log in its folder, which one run at a time may hold.
+
+What is logged also goes to the logger "fvcollapse" of the process, if somebody listens there.
+"""
 
 import logging
 import platform
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.locks import exclusive, fcntl, try_lock
 from fvcollapse.version import __version__
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 LOG, LOCK = "run.log", ".run.lock"  # the second is used where a log cannot be locked
-SAID = set()  # warnings of this process that are given once
+SAID: set[str] = set()  # warnings of this process that are given once
 
 
 class LogFile(logging.FileHandler):
     """A log that a full disk does not stop: the results will report it."""
 
-    def handleError(self, record):  # noqa: N802 (name fixed by logging)
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (name fixed by logging)
         """Drop the record."""
 
-    def close(self):
+    def close(self) -> None:
         """Close the file; what it could not take is dropped."""
         with suppress(OSError):
             super().close()
 
 
 @contextmanager
-def run_log(folder):
+def run_log(folder: Path) -> Iterator[logging.Logger]:
     """Make the folder and append to its run.log, which only one run at a time may hold.
 
     Raises
@@ -42,7 +52,8 @@ def run_log(folder):
     except OSError as error:
         raise OutputError(folder, error, running=False) from None
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    log = logging.Logger("fvcollapse", logging.INFO)  # not registered: one per run
+    log = logging.Logger("fvcollapse.run", logging.INFO)  # one per run, below the registered one
+    log.parent = logging.getLogger("fvcollapse")
     log.addHandler(handler)
     try:
         with only_writer(folder, handler.stream, log):
@@ -52,7 +63,7 @@ def run_log(folder):
 
 
 @contextmanager
-def only_writer(folder, stream, log):
+def only_writer(folder: Path, stream: Any, log: logging.Logger) -> Iterator[None]:
     """Refuse a folder in which another run holds its log; the system frees it when that run dies."""
     if fcntl is None:
         with exclusive(folder / LOCK, wait=False):
@@ -68,7 +79,7 @@ def only_writer(folder, stream, log):
     yield
 
 
-def log_start(log, case, stored):
+def log_start(log: logging.Logger, case: "Case", stored: Any) -> None:
     """The first lines of a run: versions, case, and where it starts."""
     log.info(
         "fvcollapse %s, Python %s, %s", __version__, platform.python_version(), platform.machine()
@@ -82,13 +93,13 @@ def log_start(log, case, stored):
         log.warning("the checkpoint was written by version %s", stored.code_version)
 
 
-def tell(log, message):
+def tell(log: logging.Logger, message: str) -> None:
     """Write a warning to the log and to stderr."""
     log.warning("%s", message)
     print(message, file=sys.stderr)
 
 
-def tell_once(log, message):
+def tell_once(log: logging.Logger, message: str) -> None:
     """Warn in the log and on the terminal, once in a process."""
     if message not in SAID:
         SAID.add(message)

@@ -3,16 +3,21 @@
 A checkpoint, a result and their fields take 0.15 s to write and to read. That is a third of a run on coarse cells.
 """
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.run import Job, begun, march_on
 from fvcollapse.output.run_folder import ready, tidy, usable_checkpoint
 from fvcollapse.output.run_log import run_log
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def run_without_result(case, folder, keep, quiet=True):
+
+def run_without_result(case: "Case", folder: Path, keep: Callable, quiet: bool = True) -> None:
     """Run a case of which no result is wanted, or continue it from the checkpoint in `folder`.
 
     The folder gets the log, and a checkpoint every 20 s and when the run is interrupted; of a run that fails the

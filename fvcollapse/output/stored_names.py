@@ -95,7 +95,7 @@ FIELDS = {
 }
 
 
-def about_field(name):
+def about_field(name: str) -> tuple[str, str]:
     """(units, description) of a field of the flow or of an effect."""
     if name in EFFECT_FIELDS:
         return EFFECT_FIELDS[name][2:]

@@ -4,6 +4,8 @@ Every defect is one `InputError` that names file and data set. Nothing that is r
 the matter of `record_layout` and `field_layout`, which know what the numbers mean.
 """
 
+from typing import Any, NoReturn
+
 import numpy as np
 
 from fvcollapse.errors import InputError
@@ -14,19 +16,25 @@ POSITIVE = (0.0, np.inf)
 NUMBERS = "fiu"  # kinds of numpy types
 
 
-def refuse(file, key, found, allowed):
+def refuse(file: Any, key: str, found: str, allowed: str) -> NoReturn:
     """Raise the InputError of something in an open file."""
     raise InputError(name_of(file), key, found, allowed)
 
 
-def group_of(file, path):
+def group_of(file: Any, path: str) -> Any:
     """A group; InputError if there is none."""
     if path not in file or not hasattr(file[path], "keys"):
         refuse(file, path, "no such group", "a group of data sets")
     return file[path]
 
 
-def numbers_of(file, path, shape, limits=ANY, kinds=NUMBERS):
+def numbers_of(
+    file: Any,
+    path: str,
+    shape: tuple[int | None, ...],
+    limits: tuple[float, float] = ANY,
+    kinds: str = NUMBERS,
+) -> np.ndarray:
     """The numbers in a data set of this shape, where None stands for any length.
 
     Raises
@@ -56,7 +64,9 @@ def numbers_of(file, path, shape, limits=ANY, kinds=NUMBERS):
     return check_values(file, path, values, limits)
 
 
-def check_values(file, path, values, limits=ANY):
+def check_values(
+    file: Any, path: str, values: np.ndarray, limits: tuple[float, float] = ANY
+) -> np.ndarray:
     """The values if all are finite and within the limits; else InputError."""
     low, high = limits
     if not np.isfinite(values).all():
@@ -68,7 +78,7 @@ def check_values(file, path, values, limits=ANY):
     return values
 
 
-def refuse_fall(file, path, values, strictly=False):
+def refuse_fall(file: Any, path: str, values: np.ndarray, strictly: bool = False) -> None:
     """InputError if values fall (or, strictly, do not rise)."""
     steps = np.diff(values)
     if (steps <= 0.0).any() if strictly else (steps < 0.0).any():
@@ -78,7 +88,9 @@ def refuse_fall(file, path, values, strictly=False):
         refuse(file, path, found, allowed)
 
 
-def number_of(file, group, name, limits=ANY, kinds=NUMBERS):
+def number_of(
+    file: Any, group: str, name: str, limits: tuple[float, float] = ANY, kinds: str = NUMBERS
+) -> Any:
     """The number in an attribute of a group, of Python's types.
 
     Raises

@@ -7,7 +7,10 @@ data sets that no table can hold. `tabled` shows it as a file with a data set fo
 """
 
 import json
+from collections.abc import Mapping
+from typing import Any
 
+import h5py
 import numpy as np
 
 from fvcollapse.files.hdf5 import write_dataset
@@ -22,7 +25,7 @@ GROUPS = {
 ROWS, NAMES = "table", "names"
 
 
-def write_table(group, columns, description):
+def write_table(group: h5py.Group, columns: Mapping[str, np.ndarray], description: str) -> None:
     """Store arrays of one shape and type as the table of a group of an open file.
 
     Parameters
@@ -36,7 +39,7 @@ def write_table(group, columns, description):
     group[ROWS].attrs[NAMES] = json.dumps([*columns])
 
 
-def tabled(file):
+def tabled(file: h5py.File) -> Any:
     """An open file, or, if its data sets stand in tables, a `TabledFile` in its place.
 
     Raises
@@ -59,7 +62,7 @@ class TabledFile:
         A table is missing or damaged, or its names are not those of its rows.
     """
 
-    def __init__(self, file):
+    def __init__(self, file: h5py.File) -> None:
         self.file, self.driver, self.filename = file, file.driver, file.filename
         self.groups = {name: rows_of(file, name, ndim) for name, ndim in GROUPS.items()}
 
@@ -72,7 +75,7 @@ class TabledFile:
     def __contains__(self, path):
         return self.get(path) is not None
 
-    def get(self, path):
+    def get(self, path: str) -> Any:
         """The array or group at a path; None if there is none."""
         group, _, name = path.partition("/")
         if group not in self.groups:
@@ -80,7 +83,7 @@ class TabledFile:
         return self.groups[group].get(name) if name else self.groups[group]
 
 
-def rows_of(file, group, ndim):
+def rows_of(file: h5py.File, group: str, ndim: int) -> dict[str, Any]:
     """{name: array} of a group: the rows of its table, and its other data sets."""
     group_of(file, group)
     path = f"{group}/{ROWS}"
@@ -92,7 +95,7 @@ def rows_of(file, group, ndim):
     return dict(zip(names, table, strict=True)) | others
 
 
-def names_of(file, path):
+def names_of(file: h5py.File, path: str) -> list[str]:
     """Names of the rows of a table; InputError unless they are different texts."""
     text = file[path].attrs.get(NAMES)
     try:
@@ -100,6 +103,6 @@ def names_of(file, path):
     except ValueError:
         names = None
     is_list = isinstance(names, list) and all(isinstance(name, str) for name in names)
-    if not is_list or len(set(names)) < len(names):
+    if names is None or not is_list or len(set(names)) < len(names):
         refuse(file, f"{path}.{NAMES}", "no names of its rows", "a list of different names")
     return names

@@ -20,9 +20,13 @@ than 4 % of them; materials of pure yield stress that come to rest have up to ha
 capped steps are therefore a reason to look at a result, not to discard it.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 FINE, LOOK, DO_NOT_USE = "fine", "look at it", "do not use"
 VOLUME_LOOK, VOLUME_USELESS = 0.002, 0.01  # of the volume at the start
@@ -43,11 +47,18 @@ class Trust(NamedTuple):
     verdict: str
     reasons: tuple
 
-    def __str__(self):
+    def __str__(self) -> str:
         return ": ".join(part for part in (self.verdict, "; ".join(self.reasons)) if part)
 
 
-def trust_of(status, relative_volume, corrected, capped, steps, case):
+def trust_of(
+    status: str,
+    relative_volume: np.ndarray,
+    corrected: float,
+    capped: int,
+    steps: int,
+    case: "Case",
+) -> Trust:
     """The `Trust` that a run deserves.
 
     Parameters
@@ -78,7 +89,7 @@ def trust_of(status, relative_volume, corrected, capped, steps, case):
     return Trust(worst, tuple(reason for _, reason in found))
 
 
-def judged_status(status):
+def judged_status(status: str) -> tuple[str, str]:
     """(verdict, reason) of how a run ended."""
     if status == COMPLETE:
         return FINE, ""
@@ -87,7 +98,7 @@ def judged_status(status):
     return LOOK, status if status.startswith(STOPPED) else f"not at its end ({status})"
 
 
-def judged_volume(drift):
+def judged_volume(drift: float) -> tuple[str, str]:
     """(verdict, reason) of the largest drift of the volume."""
     if drift <= VOLUME_LOOK:
         return FINE, ""
@@ -95,7 +106,7 @@ def judged_volume(drift):
     return verdict, f"volume drifts {100.0 * drift:.3g} %"
 
 
-def judged_corrections(corrected):
+def judged_corrections(corrected: float) -> tuple[str, str]:
     """(verdict, reason) of the sum of the corrections of the volume."""
     if corrected <= CORRECTED_LOOK:
         return FINE, ""
@@ -103,7 +114,7 @@ def judged_corrections(corrected):
     return verdict, f"corrections of the volume sum to {100.0 * corrected:.3g} % of it"
 
 
-def judged_capped(capped, steps):
+def judged_capped(capped: int, steps: int) -> tuple[str, str]:
     """(verdict, reason) of the number of capped steps."""
     share = capped / max(steps, 1)
     if share <= CAPPED_LOOK:
@@ -111,13 +122,13 @@ def judged_capped(capped, steps):
     return LOOK, f"{100.0 * share:.0f} % of the steps are capped"
 
 
-def largest_drift(relative_volume, case):
+def largest_drift(relative_volume: np.ndarray, case: "Case") -> float:
     """Largest drift of the volume, as a fraction; beyond what dilatancy allows, if it acts."""
     values, (low, high) = np.asarray(relative_volume, float), allowed_volumes(case)
     return float(np.max(np.maximum(values - high, low - values), initial=0.0))
 
 
-def allowed_volumes(case):
+def allowed_volumes(case: "Case") -> tuple[float, float]:
     """Least and largest relative volume to which the grains may contract and expand."""
     effect = case.effects.dilatancy
     if effect is None or effect.dilatancy_factor == 0.0:

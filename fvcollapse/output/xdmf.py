@@ -1,19 +1,25 @@
-"""The XDMF file beside a result: opens its fields in ParaView, each time with its own grid size.
+"""The XDMF file beside a result: opens the grains in ParaView, PyVista and meshio, each time with its own mesh.
 
-The arrays are [i, k] with k fastest, so the grid is given by its node coordinates (a structured
-mesh); an XDMF grid of origin and spacing would exchange x and z. Nothing is copied but these
-coordinates and the cell-centred velocity. Each time is a collection of one grid: VTK's reader
-takes the extent of a bare grid from the first time.
+XDMF 3, a temporal collection of meshes of quadrilaterals (`meshes`). Nothing is copied into it.
 """
 
 from xml.etree import ElementTree as xml
 
+import h5py
+
+from fvcollapse.output.meshes import CELLS, GROUP, POINTS, SURFACE, VELOCITY
+
 XDMF_TYPES = {"f": "Float", "i": "Int", "u": "UInt"}
 
 
-def xdmf_text(file, h5_name):
-    """XDMF document (bytes) for the fields of an open file, stored as `h5_name` beside it."""
-    root = xml.Element("Xdmf", Version="2.0")
+def has_meshes(file: h5py.File) -> bool:
+    """Whether a result holds meshes; those of earlier versions do not."""
+    return all(CELLS in group for group in file[GROUP].values())
+
+
+def xdmf_text(file: h5py.File, h5_name: str) -> bytes:
+    """XDMF document for the meshes of an open result, stored as `h5_name` beside it."""
+    root = xml.Element("Xdmf", Version="3.0")
     series = xml.SubElement(
         xml.SubElement(root, "Domain"),
         "Grid",
@@ -21,42 +27,30 @@ def xdmf_text(file, h5_name):
         GridType="Collection",
         CollectionType="Temporal",
     )
-    for index in sorted(file["fields"], key=int):
-        add_grid(series, file["fields"][index], file["paraview"][index], h5_name)
+    for index in sorted(file[GROUP], key=int):
+        add_grid(series, float(file[f"fields/{index}"].attrs["time"]), file[GROUP][index], h5_name)
     xml.indent(root)
     return xml.tostring(root, encoding="utf-8", xml_declaration=True)
 
 
-def add_grid(parent, fields, paraview, h5_name):
-    """One time of the collection: coordinates, velocity, fields at nodes or centres."""
-    step = xml.SubElement(
-        parent, "Grid", Name="step", GridType="Collection", CollectionType="Spatial"
-    )
-    xml.SubElement(step, "Time", Value=repr(float(fields.attrs["time"])))
-    grid = xml.SubElement(step, "Grid", Name="grains", GridType="Uniform")
-    nodes = paraview["coordinates"].shape[:2]
-    cells = (nodes[0] - 1, nodes[1] - 1)
-    xml.SubElement(grid, "Topology", TopologyType="2DSMesh", Dimensions=f"{nodes[0]} {nodes[1]}")
-    add_data(xml.SubElement(grid, "Geometry", GeometryType="XYZ"), paraview["coordinates"], h5_name)
-    add_attribute(grid, paraview["velocity"], "Vector", "Cell", h5_name)
-    for dataset in fields.values():
-        if dataset.shape == nodes:
-            add_attribute(grid, dataset, "Scalar", "Node", h5_name)
-        elif dataset.shape == cells:
-            add_attribute(grid, dataset, "Scalar", "Cell", h5_name)
+def add_grid(parent: xml.Element, time: float, mesh: h5py.Group, h5_name: str) -> None:
+    """One time [s] of the collection: mesh, and values of its points and cells."""
+    grid = xml.SubElement(parent, "Grid", Name="grains", GridType="Uniform")
+    xml.SubElement(grid, "Time", Value=repr(time))
+    count = str(len(mesh[CELLS]))
+    topology = {"TopologyType": "Quadrilateral", "NumberOfElements": count}
+    add_data(xml.SubElement(grid, "Topology", topology), mesh[CELLS], h5_name)
+    add_data(xml.SubElement(grid, "Geometry", GeometryType="XYZ"), mesh[POINTS], h5_name)
+    for name, dataset in mesh.items():
+        if name in (CELLS, POINTS):
+            continue
+        centre = "Node" if name == SURFACE else "Cell"
+        kind = "Vector" if name == VELOCITY else "Scalar"
+        about = {"Name": name, "AttributeType": kind, "Center": centre}
+        add_data(xml.SubElement(grid, "Attribute", about), dataset, h5_name)
 
 
-def add_attribute(grid, dataset, kind, center, h5_name):
-    """A scalar or vector field of the grid."""
-    name = dataset.name.rsplit("/", 1)[1]
-    add_data(
-        xml.SubElement(grid, "Attribute", Name=name, AttributeType=kind, Center=center),
-        dataset,
-        h5_name,
-    )
-
-
-def add_data(parent, dataset, h5_name):
+def add_data(parent: xml.Element, dataset: h5py.Dataset, h5_name: str) -> None:
     """Reference to a dataset of the HDF5 file."""
     item = xml.SubElement(
         parent,

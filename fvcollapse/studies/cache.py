@@ -11,11 +11,12 @@ that failed without a word, is computed again, which is said on stderr.
 
 import shutil
 import sys
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -37,12 +38,17 @@ from fvcollapse.output.run_folder import CHECKPOINT, OUTPUT_KEYS, RESULT, stored
 from fvcollapse.output.run_without_result import run_without_result
 from fvcollapse.studies.workers import run_all
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.output.result import Result
+
+
 FORMAT = 2  # of the extract; it is part of every key
 EXTRACT, WORK = "extract.h5", "run"
 PROFILE_INTERVAL = 0.02  # s; the same for all runs, since output times influence the time steps
 
 
-def cached_case(case):
+def cached_case(case: "Case") -> "Case":
     """The case that is run: physics and numerics of a case, with the outputs of the cache."""
     return case.replace(
         **{
@@ -54,7 +60,7 @@ def cached_case(case):
     )
 
 
-def cache_key(case):
+def cache_key(case: "Case") -> str:
     """Digest of all that a run depends on: the solver with its effects, and the case without its outputs."""
     table = as_table(case)
     solver = solver_version(tuple(table["effects"]))  # an effect that is off has no section
@@ -100,18 +106,18 @@ class RunCache:
     folder: Path
     libraries: tuple = ()
 
-    def place(self, case):
+    def place(self, case: "Case") -> Path:
         """Folder of a case."""
         return entry(Path(self.folder).absolute(), cache_key(case))
 
-    def get(self, case):
+    def get(self, case: "Case") -> "Result | None":
         """The `Result` of a case, with series thinned and no fields; None if there is none.
 
         A run to a later end serves as well.
         """
         return self.entry(cache_key(case), case)
 
-    def entry(self, key, case):
+    def entry(self, key: str, case: "Case") -> "Result | None":
         """As `get`, of a case whose key is known."""
         for folder in (*self.libraries, self.folder):
             result, defect = read_extract(entry(Path(folder), key), case, key)
@@ -121,7 +127,7 @@ class RunCache:
                 print(f"{defect}; it is computed again", file=sys.stderr)
         return None
 
-    def run(self, case, quiet=True):
+    def run(self, case: "Case", quiet: bool = True) -> "Result":
         """The `Result` of a case, computed if it is not there.
 
         Raises
@@ -133,9 +139,15 @@ class RunCache:
         if found is None:
             make_extract(case, self.place(case), quiet)
             found = self.get(case)
-        return found
+        return found  # type: ignore[return-value]
 
-    def run_all(self, cases, workers=1, scheduler=None, quiet=True):
+    def run_all(
+        self,
+        cases: "Mapping[str, Case]",
+        workers: int = 1,
+        scheduler: str | None = None,
+        quiet: bool = True,
+    ) -> Runs:
         """The results of {name: case}; equal cases are run once, and failures stop no other run.
 
         Parameters
@@ -160,7 +172,7 @@ class RunCache:
             partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases
         )
 
-    def run_by(self, make_calls, cases):
+    def run_by(self, make_calls: Callable, cases: "Mapping[str, Case]") -> Runs:
         """As `run_all`, the calls made by `make_calls(task, calls, finished)`; see `workers.run_all`."""
         keys = {name: cache_key(case) for name, case in cases.items()}
         wanted = longest(keys, cases)
@@ -178,7 +190,9 @@ class RunCache:
                 results[name] = result
         return Runs(results, failed, keys, frozenset(missing))
 
-    def compute(self, missing, make_calls):
+    def compute(
+        self, missing: "Mapping[str, Case]", make_calls: Callable
+    ) -> tuple[dict[str, Any], dict[str, NumericalError]]:
         """Compute {key: case}; ({key: Result}, {key: NumericalError} of those that failed)."""
         made, failures = {}, {}
 
@@ -199,9 +213,9 @@ class RunCache:
         return made, failures
 
 
-def longest(keys, cases):
+def longest(keys: Mapping[str, str], cases: "Mapping[str, Case]") -> "dict[str, Case]":
     """{key: case} of {name: key} and {name: case}; of cases that share a key the case with the latest end."""
-    found = {}
+    found: dict[str, Case] = {}
     for name, key in keys.items():
         case = cases[name]
         if key not in found or case.time.end > found[key].time.end:
@@ -209,12 +223,12 @@ def longest(keys, cases):
     return found
 
 
-def entry(folder, key):
+def entry(folder: Path, key: str) -> Path:
     """Folder of a key."""
     return folder / key[:2] / key
 
 
-def read_extract(place, case, key):
+def read_extract(place: Path, case: "Case", key: str) -> "tuple[Result | None, str]":
     """(extract in a place, "") if it serves a case of this key, else (None, why what is there may not be used)."""
     path = place / EXTRACT
     if not path.exists():
@@ -234,13 +248,13 @@ def read_extract(place, case, key):
     return result, ""
 
 
-def is_finite(result):
+def is_finite(result: Any) -> bool:
     """Whether all numbers of a result are finite."""
     values = (*result.series.values(), *result.steps.values(), *result.profiles)
     return all(np.isfinite(array).all() for array in values)
 
 
-def make_extract(case, place, quiet=True):
+def make_extract(case: "Case", place: Path, quiet: bool = True) -> None:
     """Run or continue a case in its folder and write the extract, unless it exists.
 
     Another process that computes the same case is waited for.
@@ -269,7 +283,7 @@ def make_extract(case, place, quiet=True):
         shutil.rmtree(work, ignore_errors=True)
 
 
-def begun_end(work):
+def begun_end(work: Path) -> float:
     """End of the run that was begun in a folder [s]; 0 if there is none."""
     begun = [stored_case(work / name) for name in (CHECKPOINT, RESULT)]
     return max((case.time.end for case in begun if case is not None), default=0.0)

@@ -11,7 +11,7 @@ from fvcollapse.files.atomic import locked_temporary, remove_stale
 VARIABLE = "FVCOLLAPSE_CACHE"
 
 
-def default_folder():
+def default_folder() -> Path:
     """Folder of the cache of this user: $FVCOLLAPSE_CACHE, else where the system keeps caches."""
     if named := os.environ.get(VARIABLE):
         return Path(named)
@@ -25,7 +25,7 @@ def default_folder():
     raise InputError("environment", VARIABLE, found, "a folder that may be written") from None
 
 
-def ready_folder(folder=None):
+def ready_folder(folder: str | Path | None = None) -> Path:
     """A folder for a cache, made if need be; default that of this user.
 
     Raises

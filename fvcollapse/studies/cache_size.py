@@ -1,6 +1,7 @@
 """How large a cache of runs is, and its pruning."""
 
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ class CacheSize(NamedTuple):
     begun: int
     size: int
 
-    def line(self, verb):
+    def line(self, verb: str) -> str:
         """One line; `verb` says what is done with these runs."""
         return (
             f"{self.folder}: {verb} {self.finished} finished runs and {self.begun} that were begun, "
@@ -29,13 +30,13 @@ class CacheSize(NamedTuple):
         )
 
 
-def cache_size(folder=None):
+def cache_size(folder: str | Path | None = None) -> CacheSize:
     """The `CacheSize` of a cache; default that of this user. A folder that is not there holds nothing."""
     folder = Path(folder or default_folder()).absolute()
     return sized(folder, entries(folder))
 
 
-def entries(folder):
+def entries(folder: Path) -> list[Path]:
     """Folders of the runs of a cache, each named by its key; other files in it are none of its business."""
     return [
         place
@@ -44,14 +45,14 @@ def entries(folder):
     ]
 
 
-def sized(folder, places):
+def sized(folder: Path, places: Iterable[Path]) -> CacheSize:
     """The `CacheSize` of some entries."""
     finished = sum((place / EXTRACT).exists() for place in places)
     begun = sum((place / WORK).exists() for place in places)
     return CacheSize(folder, finished, begun, sum(map(size_of, places)))
 
 
-def size_of(place):
+def size_of(place: Path) -> int:
     """Bytes of all files of an entry; one that vanishes meanwhile counts nothing."""
     total = 0
     for path in place.rglob("*"):
@@ -62,7 +63,7 @@ def size_of(place):
     return total
 
 
-def prune(folder=None):
+def prune(folder: str | Path | None = None) -> CacheSize:
     """Remove the entries that no question to the present solver can find; the `CacheSize` of what went.
 
     Each entry is locked while it is looked at, so that a run of another process is waited for. One that cannot be
@@ -82,7 +83,7 @@ def prune(folder=None):
     return gone
 
 
-def is_of_use(place):
+def is_of_use(place: Path) -> bool:
     """Whether the present solver would find the run in an entry under its key."""
     path = place / EXTRACT if (place / EXTRACT).exists() else place / WORK
     try:

@@ -46,7 +46,8 @@ Eca & Hoekstra (2008), J. Mar. Sci. Technol. 13, 328, appendix 1.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -85,7 +86,7 @@ class Convergence(NamedTuple):
     gci: float | None = None
 
 
-def successive(judge, sizes, values, formal_order):
+def successive(judge: Callable, sizes: Any, values: Any, formal_order: float) -> list[Convergence]:
     """The `Convergence` of each three successive sizes.
 
     Parameters
@@ -106,7 +107,7 @@ def successive(judge, sizes, values, formal_order):
     return [judge(sizes and sizes[three], values[three], formal_order) for three in triplets]
 
 
-def convergence(sizes, values, formal_order):
+def convergence(sizes: Any, values: Any, formal_order: float) -> Convergence:
     """The `Convergence` of three numbers, from coarse to fine; parameters as in `successive`."""
     coarse, medium, fine = values
     error = None if medium is None or fine is None else relative(fine - medium, fine)
@@ -121,11 +122,11 @@ def convergence(sizes, values, formal_order):
     if found.shift is not None:
         extrapolated = fine + found.shift
         extrapolated_error = relative(found.shift, extrapolated)
-    gci = None if found.index is None else relative(found.index, fine)
+    gci = None if found.bound is None else relative(found.bound, fine)
     return Convergence(found.behaviour, found.order, extrapolated, error, extrapolated_error, gci)
 
 
-def convergence_of_profiles(sizes, profiles, formal_order):
+def convergence_of_profiles(sizes: Any, profiles: Any, formal_order: float) -> Convergence:
     """The same for three profiles (x, h); errors are L1 distances over the area of the finest."""
     coarse, medium, fine = profiles
     eps_21 = profile_distance(*medium, *fine)
@@ -135,19 +136,21 @@ def convergence_of_profiles(sizes, profiles, formal_order):
     width = max(eps_21, eps_32, profile_distance(*coarse, *fine))
     found = judged(sizes, eps_32, eps_21, width, ROUND_OFF, formal_order)
     error = None if found.shift is None else abs(found.shift)
-    return Convergence(found.behaviour, found.order, None, eps_21, error, found.index)
+    return Convergence(found.behaviour, found.order, None, eps_21, error, found.bound)
 
 
 class Judgement(NamedTuple):
-    """Behaviour and order; Richardson's correction of the finest value, and the index, both absolute."""
+    """Behaviour and order; Richardson's correction of the finest value, and the bound of the index, both absolute."""
 
     behaviour: str
     order: float | None
     shift: float | None
-    index: float | None
+    bound: float | None
 
 
-def judged(sizes, eps_32, eps_21, width, none, formal_order):
+def judged(
+    sizes: Any, eps_32: float, eps_21: float, width: float, none: float, formal_order: float
+) -> Judgement:
     """The table of this module's docstring; `width` is the largest difference of the three."""
     if not sizes[0] > sizes[1] > sizes[2] > 0.0:
         return Judgement("not refined", None, None, None)
@@ -169,12 +172,12 @@ def judged(sizes, eps_32, eps_21, width, none, formal_order):
     return Judgement("monotone", order, shift, SAFETY * limited)
 
 
-def growth_less_one(sizes, order):
+def growth_less_one(sizes: Any, order: float) -> float:
     """r_21^p - 1, without overflow."""
     return math.expm1(min(order * math.log(sizes[1] / sizes[2]), 700.0))
 
 
-def observed_order(sizes, ratio):
+def observed_order(sizes: Any, ratio: float) -> float:
     """Signed order p at which the differences of three sizes have the ratio eps_32/eps_21.
 
     Parameters
@@ -196,7 +199,7 @@ def observed_order(sizes, ratio):
     return brentq(mismatch, -bound, bound, xtol=1e-12, rtol=1e-12)
 
 
-def log_ratio(order, log_21, log_32, oscillates):
+def log_ratio(order: float, log_21: float, log_32: float, oscillates: bool) -> float:
     """ln|eps_32/eps_21| of an exact power law of this order: p ln r_21 - q(p), for every sign of p."""
     if oscillates:
         q = np.logaddexp(0.0, order * log_21) - np.logaddexp(0.0, order * log_32)
@@ -207,12 +210,12 @@ def log_ratio(order, log_21, log_32, oscillates):
     return order * log_21 - q
 
 
-def log_minus_one(exponent):
+def log_minus_one(exponent: float) -> float:
     """ln|exp(exponent) - 1| without overflow or cancellation."""
     return max(exponent, 0.0) + math.log(-math.expm1(-abs(exponent)))
 
 
-def relative(difference, value):
+def relative(difference: float, value: float) -> float | None:
     """|difference| over |value|; None of a difference where the value vanishes beside it."""
     if difference == 0.0:
         return 0.0
@@ -220,7 +223,7 @@ def relative(difference, value):
     return ratio if math.isfinite(ratio) else None
 
 
-def spread(values):
+def spread(values: Sequence[Any]) -> float | None:
     """Largest difference of any value from the last, relative; None if nothing can be compared."""
     if None in values:
         return None
@@ -230,12 +233,14 @@ def spread(values):
 # -- profiles ------------------------------------------------------------------------------------
 
 
-def area(x, h):
+def area(x: np.ndarray, h: np.ndarray) -> float:
     """Area below a profile."""
     return 0.5 * float(((h[:-1] + h[1:]) * np.diff(x)).sum())
 
 
-def profile_distance(x, h, x_reference, h_reference):
+def profile_distance(
+    x: np.ndarray, h: np.ndarray, x_reference: np.ndarray, h_reference: np.ndarray
+) -> float:
     """L1 distance of two profiles over the area of the reference.
 
     Parameters
@@ -254,12 +259,12 @@ def profile_distance(x, h, x_reference, h_reference):
     return 0.5 * float((mean * np.diff(nodes)).sum()) / area(x_reference, h_reference)
 
 
-def oscillating_share(profiles):
+def oscillating_share(profiles: Sequence[Any]) -> float:
     """Share of the points of the finest of three profiles at which the thickness oscillates on refinement.
 
     Counted are the nodes of the finest profile where any of the three has grains.
     """
     x = profiles[-1][0]
-    coarse, medium, fine = (np.interp(x, *profile, right=0.0) for profile in profiles)
+    coarse, medium, fine = (np.interp(x, place, height, right=0.0) for place, height in profiles)
     filled = np.maximum(np.maximum(coarse, medium), fine) > 0.0
     return float(((coarse - medium) * (medium - fine) < 0.0)[filled].mean())

@@ -4,10 +4,15 @@ One step costs `STEP`, and `CELL` for each cell that holds grains (benchmark of 
 cells of 12 and 6 mm, one core). Another machine, a stiff law or a long thin deposit may take twice as long or half.
 """
 
+from collections.abc import Sequence
 from math import ceil, inf, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.case.case import GRAVITY
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 STEP, CELL = 0.4e-3, 4.0e-6  # s
 SPREAD = 1.2  # cells that hold grains, over those of the column
@@ -21,7 +26,7 @@ class Plan(NamedTuple):
     present: int
     seconds: float
 
-    def line(self, workers=1):
+    def line(self, workers: int = 1) -> str:
         """One line for the user."""
         runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
         there = f" ({self.present} of them there already)" if self.present else ""
@@ -31,7 +36,7 @@ class Plan(NamedTuple):
         )
 
 
-def run_seconds(case):
+def run_seconds(case: "Case") -> float:
     """Time that a run takes on one core, roughly [s]."""
     geometry, grid = case.geometry, case.grid
     area = grid.cell_size * (grid.cell_size_z or grid.cell_size)
@@ -41,12 +46,12 @@ def run_seconds(case):
     return (STEP + CELL * cells) * case.time.end / step
 
 
-def plan_of(missing, present=0):
+def plan_of(missing: "Sequence[Case]", present: int = 0) -> Plan:
     """The `Plan` of cases that are to be run, beside a number of runs that are there already."""
     return Plan(present + len(missing), present, sum(map(run_seconds, missing)))
 
 
-def duration(seconds):
+def duration(seconds: float) -> str:
     """A time in words, rounded up to one unit."""
     for unit, size, most in (("s", 1.0, 90.0), ("min", 60.0, 90.0), ("h", 3600.0, inf)):
         if seconds < most * size:

@@ -22,7 +22,7 @@ References
 Eca & Hoekstra (2014), J. Comput. Phys. 262, 104.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -69,12 +69,12 @@ class Series(NamedTuple):
     terms: list
     deviation: float
 
-    def at(self, h):
+    def at(self, h: Any) -> Any:
         """Its value at a size."""
         return self.limit + sum(a * h**p for p, a in self.terms)
 
 
-def fit(sizes, values):
+def fit(sizes: Any, values: Any) -> Fit | None:
     """The `Fit` of four or more values, from coarse to fine; None where there is nothing to fit.
 
     That is with fewer values, a missing one, sizes that do not fall, equal values, or a finest
@@ -107,7 +107,7 @@ def fit(sizes, values):
     )
 
 
-def best_series(h, phi):
+def best_series(h: np.ndarray, phi: np.ndarray) -> Any:
     """The series of the module's docstring, chosen by its rule."""
     weights = [np.full(h.size, 1.0 / h.size), (1.0 / h) / (1.0 / h).sum()]
     powers = [power_series(h, phi, weight) for weight in weights]
@@ -121,12 +121,12 @@ def best_series(h, phi):
     return min(fixed, key=deviation)
 
 
-def deviation(series):
+def deviation(series: Series) -> float:
     """The standard deviation of a series."""
     return series.deviation
 
 
-def power_series(h, phi, weight):
+def power_series(h: np.ndarray, phi: np.ndarray, weight: np.ndarray) -> Series:
     """phi_0 + a h^p, with p, a and phi_0 of least squares."""
 
     def misfit(order):
@@ -142,26 +142,28 @@ def power_series(h, phi, weight):
     return Series("h^p", float(order), limit, terms, scatter(squares, h.size, 3))
 
 
-def basis(h, order):
+def basis(h: np.ndarray, order: float) -> np.ndarray:
     """(h^p - 1)/p, ln h for p = 0."""
     logs = np.log(h)
     return logs if abs(order) < 1e-9 else np.expm1(order * logs) / order
 
 
-def fixed_series(h, phi, weight, name, order):
+def fixed_series(
+    h: np.ndarray, phi: np.ndarray, weight: np.ndarray, name: str, order: Any
+) -> Series:
     """A series of given exponents; `order` is what the best power law has shown."""
     (limit, *found), squares = solved(phi, weight, [h**p for p in FIXED[name]])
     terms = [(p, float(a)) for p, a in zip(FIXED[name], found, strict=True)]
     return Series(name, order, limit, terms, scatter(squares, h.size, 1 + len(terms)))
 
 
-def solved(phi, weight, columns):
+def solved(phi: np.ndarray, weight: np.ndarray, columns: Any) -> Any:
     """Coefficients (constant first) of the weighted least squares, and the weighted sum of squares."""
     matrix, root = np.column_stack([np.ones(phi.size), *columns]), np.sqrt(weight)
     found = np.linalg.lstsq(matrix * root[:, None], phi * root, rcond=None)[0]
     return found, float((weight * (phi - matrix @ found) ** 2).sum())
 
 
-def scatter(squares, count, parameters):
+def scatter(squares: float, count: int, parameters: int) -> float:
     """Standard deviation from a weighted mean of squares."""
     return float(np.sqrt(count * squares / (count - parameters)))

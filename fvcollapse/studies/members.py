@@ -1,6 +1,8 @@
 """The runs of a study, each in its own folder; unfinished runs are continued, whichever process began them."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
 from fvcollapse.files.locks import LOCK, exclusive
@@ -9,8 +11,11 @@ from fvcollapse.output.run import run_case
 from fvcollapse.output.run_folder import CHECKPOINT, RESULT
 from fvcollapse.studies.workers import run_all
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def run_member(case, folder, quiet=True, force=False):
+
+def run_member(case: "Case", folder: str | Path, quiet: bool = True, force: bool = False) -> None:
     """Run a case into its folder, or continue it; nothing is done if it is finished.
 
     Another process that works in the folder is waited for. `force` replaces a run of another case.
@@ -32,7 +37,14 @@ def run_member(case, folder, quiet=True, force=False):
         raise InputError(folder / RESULT, "time.end", found, allowed)
 
 
-def run_members(cases, workers=1, quiet=True, run=run_member, tell=print, failed=None):
+def run_members(
+    cases: "Mapping[Any, Case]",
+    workers: int = 1,
+    quiet: bool = True,
+    run: Callable = run_member,
+    tell: Callable[[str], object] = print,
+    failed: Callable | None = None,
+) -> None:
     """Run the unfinished cases of {folder: case}; `tell` gets one line of text for every finished run.
 
     Finished runs are retained, and a run that was stopped leaves its checkpoint: the next call

@@ -19,10 +19,12 @@ import sys
 import threading
 import time
 import traceback
+from collections.abc import Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing.reduction import ForkingPickler
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from fvcollapse.console.interruption import leave_to_parent
 
@@ -42,16 +44,17 @@ class ProcessPool(Executor):
         Processes at most.
     """
 
-    def __init__(self, workers):
+    def __init__(self, workers: int) -> None:
         self.threads = ThreadPoolExecutor(workers, "fvcollapse-worker")
-        self.free, self.workers = SimpleQueue(), []
+        self.free: SimpleQueue = SimpleQueue()
+        self.workers: list = []
         self.stopping, self.lock = False, threading.Lock()
 
     def submit(self, fn, /, *args, **kwargs):
         """A future of `fn(*args, **kwargs)`; a `BrokenExecutor` if its process dies."""
         return self.threads.submit(self.make, ForkingPickler.dumps((fn, args, kwargs)))
 
-    def make(self, call):
+    def make(self, call: Any) -> Any:
         """Let a process make a call; here in a thread."""
         worker = self.free_worker()
         outcome, value = worker.answer(call)  # where it dies, it is not free again
@@ -60,7 +63,7 @@ class ProcessPool(Executor):
             raise value
         return value
 
-    def free_worker(self):
+    def free_worker(self) -> Any:
         """A living process without a call; a new one if there is none."""
         while True:
             try:
@@ -70,7 +73,7 @@ class ProcessPool(Executor):
             if worker.process.is_alive():  # it may have been killed since its last call
                 return worker
 
-    def start_worker(self):
+    def start_worker(self) -> Any:
         """A new process, unless the pool is about to end."""
         with self.lock:
             if self.stopping:
@@ -84,7 +87,7 @@ class ProcessPool(Executor):
         self.threads.shutdown(wait=wait, cancel_futures=cancel_futures)
         end_all(self.workers, TO_END)
 
-    def stop(self):
+    def stop(self) -> None:
         """Tell all processes to save and end; drop what has not begun.
 
         Returns when all are gone: after `TO_SAVE` seconds, or when this is interrupted, they are killed.
@@ -98,7 +101,7 @@ class ProcessPool(Executor):
         self.threads.shutdown()
 
 
-def end_all(workers, patience):
+def end_all(workers: Any, patience: float) -> None:
     """Wait for the end of processes, `patience` seconds for all of them, and kill what is left."""
     limit = time.monotonic() + patience
     try:
@@ -120,7 +123,7 @@ RETURNED, RAISED = "returned", "raised"
 class Worker:
     """A process that makes one call after the other, seen from here."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, there = context.Pipe()
         self.process = context.Process(target=work, args=(there,))
@@ -128,7 +131,7 @@ class Worker:
             self.process.start()
         there.close()  # the death of the process is the end of the pipe
 
-    def answer(self, call):
+    def answer(self, call: Any) -> tuple:
         """(`RETURNED` or `RAISED`, value) of a call.
 
         Raises
@@ -145,13 +148,13 @@ class Worker:
             raise BrokenExecutor(message) from None
         return pickle.loads(data)  # of our own process
 
-    def leave(self):
+    def leave(self) -> None:
         """Let the process end when its call has ended."""
         with suppress(OSError):
             self.connection.send_bytes(b"")
 
 
-def work(connection):
+def work(connection: Any) -> None:
     """Make the calls that come through a pipe until it ends, or until this process is told to stop."""
     begin_worker()
     while True:
@@ -173,23 +176,23 @@ def work(connection):
             connection.send_bytes(packed(*answer))
 
 
-def made(data):
+def made(data: bytes) -> Any:
     """What a call returns; its task is imported here."""
     task, arguments, options = pickle.loads(data)  # of the process that started this one
     return task(*arguments, **options)
 
 
-def packed(outcome, value):
+def packed(outcome: Any, value: Any) -> bytes:
     """An answer as bytes; an error that cannot be packed is told in words."""
     try:
-        return ForkingPickler.dumps((outcome, value))
+        return bytes(ForkingPickler.dumps((outcome, value)))
     except Exception as error:
         told = RuntimeError(f"{type(value).__name__}: {value} (which cannot be sent: {error})")
-        return ForkingPickler.dumps((RAISED, told))
+        return bytes(ForkingPickler.dumps((RAISED, told)))
 
 
 @contextmanager
-def blocked(numbers):
+def blocked(numbers: Iterable[int]) -> Iterator[None]:
     """Let the processes that this thread starts begin with these signals blocked."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -201,7 +204,7 @@ def blocked(numbers):
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def begin_worker():
+def begin_worker() -> None:
     """Keep the signals of the terminal from a worker, and end it with its parent.
 
     It gets one signal, SIGTERM from the parent, that a marching run answers by saving.
@@ -214,9 +217,11 @@ def begin_worker():
     threading.Thread(target=end_with_the_parent, daemon=True).start()
 
 
-def end_with_the_parent():
+def end_with_the_parent() -> None:
     """Wait for the death of the parent, then let a marching run save its state and end the worker."""
-    multiprocessing.parent_process().join()
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
     while True:
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(TO_SAVE)

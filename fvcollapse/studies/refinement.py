@@ -22,16 +22,16 @@ more are also fitted all together (`fvcollapse.studies.least_squares`).
 import csv
 import io
 import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.errors import CaseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
-from fvcollapse.step.grid import spacing
 from fvcollapse.studies.convergence import (
     convergence,
     convergence_of_profiles,
@@ -42,40 +42,16 @@ from fvcollapse.studies.convergence import (
 )
 from fvcollapse.studies.least_squares import fit
 from fvcollapse.studies.members import run_member, run_members
+from fvcollapse.studies.refinement_axes import AXES
 from fvcollapse.studies.workers import HERE, refuse_workers
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.output.result import Result
+    from fvcollapse.studies.workers import Resources
+
+
 NAME = "converge"  # of the files of the report
-
-
-def cell_root(result):
-    """Root of the area of a cell [m], with the sizes that the grid really has."""
-    return math.sqrt(math.prod(spacing(result.case)))
-
-
-def mean_step(result):
-    """Mean time step that was taken [s]."""
-    return float(result.series["time"][-1] / max(1, len(result.steps["dt"])))
-
-
-def shear_rate_min(result):
-    """Shear rate of the regularisation [1/s]."""
-    return result.case.numerics.shear_rate_min
-
-
-class Axis(NamedTuple):
-    """What is refined: key of the case, unit, and refinement size of a result (None: no order)."""
-
-    key: str
-    unit: str
-    size: object
-
-
-AXES = {
-    "cell_size": Axis("grid.cell_size", "m", cell_root),
-    "time_step": Axis("time.step_max", "s", mean_step),
-    "shear_rate_min": Axis("numerics.shear_rate_min", "1/s", shear_rate_min),
-    "tolerance": Axis("numerics.tolerance", "1", None),
-}
 OBSERVABLES = {  # keys of the summary, and their units
     "runout_10mm": "m",
     "runout": "m",
@@ -95,7 +71,7 @@ SAME_VALUE = 1.0e-9  # relative
 # -- the members ---------------------------------------------------------------------------------
 
 
-def checked_values(axis, values):
+def checked_values(axis: str, values: Sequence[float]) -> list[float]:
     """The values from coarse to fine; at least three, positive, all different.
 
     Raises
@@ -119,7 +95,7 @@ def checked_values(axis, values):
     return ordered
 
 
-def member_case(case, axis, value, source="case"):
+def member_case(case: "Case", axis: str, value: float, source: str | Path = "case") -> "Case":
     """The case at one value of an axis; `source` is the file that errors name.
 
     Raises
@@ -137,7 +113,7 @@ def member_case(case, axis, value, source="case"):
         raise CaseError(origin, error.key, error.found, error.allowed) from None
 
 
-def member_keys(axis):
+def member_keys(axis: str) -> tuple[str, ...]:
     """Keys of the case that differ between the members."""
     return (AXES[axis].key, "grid.cell_size_z") if axis == "cell_size" else (AXES[axis].key,)
 
@@ -151,13 +127,19 @@ class Series(NamedTuple):
     `source` is the name of the case in errors.
     """
 
-    case: object
+    case: "Case"
     axis: str
     values: tuple
     source: str = "case"
 
 
-def refine(series, folder, resources=HERE, tell=print, force=False):
+def refine(
+    series: Series,
+    folder: str | Path,
+    resources: "Resources" = HERE,
+    tell: Callable[[str], object] = print,
+    force: bool = False,
+) -> dict[str, dict]:
     """Run a case at several values of one numerical parameter and measure its convergence.
 
     Parameters
@@ -195,7 +177,7 @@ def refine(series, folder, resources=HERE, tell=print, force=False):
     claim_folder(folder, "converge", asked, force, Latitude(growing=("values",)))
     make_folder(folder, *(f"{NAME}.{suffix}" for suffix in ("json", "csv", "png")))
     run = partial(run_member, force=True) if force else run_member
-    failures = {}
+    failures: dict[Path, Exception] = {}
     width = min(resources.workers, len(cases))
     run_members(cases, width, resources.quiet, run, tell, failed=failures.__setitem__)
     write_members(folder / MEMBERS, axis, dict(zip(ordered, cases, strict=True)), failures)
@@ -212,7 +194,9 @@ def refine(series, folder, resources=HERE, tell=print, force=False):
     return study(axis, list(done), [open_result(member) for member in done.values()])
 
 
-def write_members(path, axis, members, failures):
+def write_members(
+    path: Path, axis: str, members: Mapping[float, Path], failures: Mapping[Path, Exception]
+) -> None:
     """Write how each member ended: its value, status (complete, failed) and the problem, as CSV.
 
     Parameters
@@ -233,7 +217,7 @@ def write_members(path, axis, members, failures):
     write_atomic(path, text.getvalue().encode())
 
 
-def study(axis, values, results):
+def study(axis: str, values: list[float], results: "list[Result]") -> dict[str, dict]:
     """{observable: record} of finished runs, from coarse to fine."""
     size = AXES[axis].size
     sizes = None if size is None else [size(result) for result in results]
@@ -244,7 +228,7 @@ def study(axis, values, results):
     return {name: {"unit": UNITS[name]} | of for name, of in records.items()}
 
 
-def record(axis, values, sizes, measured):
+def record(axis: str, values: list[float], sizes: list[float] | None, measured: list) -> dict:
     """All numbers of one observable, ready for JSON.
 
     Lists run from coarse to fine. `order`, `extrapolated`, `gci` and the further numbers at the top
@@ -262,7 +246,9 @@ def record(axis, values, sizes, measured):
     } | of_triplets(axis, values, [outcome._asdict() for outcome in triplets])
 
 
-def record_of_profiles(axis, values, sizes, results):
+def record_of_profiles(
+    axis: str, values: list[float], sizes: list[float] | None, results: "list[Result]"
+) -> dict:
     """The same for the final profiles, whose differences are L1 distances over the area.
 
     `value` is the distance of each profile to the next finer one, null for the finest; `spread` the
@@ -285,7 +271,7 @@ def record_of_profiles(axis, values, sizes, results):
     } | of_triplets(axis, values, outcomes)
 
 
-def of_triplets(axis, values, outcomes):
+def of_triplets(axis: str, values: list[float], outcomes: list[dict]) -> dict:
     """The outcome of the finest three, and those of every three with their values of the axis."""
     triplets = [{axis: values[n : n + 3]} | of for n, of in enumerate(outcomes)]
     return outcomes[-1] | {"triplets": triplets}

@@ -1,9 +1,17 @@
 """The figure of a convergence study: one panel per observable, value against refinement size."""
 
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure, png
 from fvcollapse.studies.refinement import PROFILE
+
+if TYPE_CHECKING:
+    from fvcollapse.draw.drawing import Picture
+
 
 SHOWN = {  # words for the axis, and the factor to its unit
     "cell_size": ("cell size (mm)", 1000.0),
@@ -14,12 +22,12 @@ SHOWN = {  # words for the axis, and the factor to its unit
 LOGARITHMIC = ("shear_rate_min", "tolerance")  # axes that are varied by decades
 
 
-def draw_png(records, axis, labels):
+def draw_png(records: dict, axis: str, labels: Mapping[str, str]) -> bytes:
     """The figure as PNG bytes; `labels` are the titles of the panels."""
     return png(draw(records, axis, labels))
 
 
-def draw(records, axis, labels):
+def draw(records: dict, axis: str, labels: Mapping[str, str]) -> "Picture":
     """Values with the index of the finest, the power law through the finest three, and the fit to all."""
     figure = new_figure(12.0, 6.2)
     panels = figure.subplots(2, 4).ravel()
@@ -39,12 +47,12 @@ def draw(records, axis, labels):
     return figure
 
 
-def drawn(axes):
+def drawn(axes: Axes) -> Iterator[tuple]:
     """The artists of a panel that have a name, and the name."""
     return zip(*axes.get_legend_handles_labels(), strict=True)
 
 
-def verdict(record):
+def verdict(record: dict) -> str:
     """Behaviour, order and index in one line."""
     parts = [record["behaviour"]]
     if record["order"] is not None:
@@ -54,7 +62,7 @@ def verdict(record):
     return ", ".join(parts)
 
 
-def draw_record(axes, record, axis, distances):
+def draw_record(axes: Axes, record: dict, axis: str, distances: bool) -> None:
     """The values of one observable, and the limit extrapolated from them."""
     factor = SHOWN[axis][1]
     sizes = factor * np.array(record["refinement_size"] or record[axis])
@@ -82,7 +90,9 @@ def draw_record(axes, record, axis, distances):
         draw_fit(axes, record["least_squares"], h, factor, sizes[-1], values[-1])
 
 
-def draw_fit(axes, fit, h, factor, size, finest):
+def draw_fit(
+    axes: Axes, fit: dict, h: np.ndarray, factor: float, size: float, finest: float
+) -> None:
     """The series fitted to all values, and its uncertainty beside the finest."""
     curve = fit["extrapolated"] + sum(a * (h / factor) ** p for p, a in fit["coefficients"])
     axes.plot(h, curve, color=GREEN, ls=":", label="least squares, all")

@@ -3,11 +3,17 @@
 import csv
 import io
 import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.studies.refinement import AXES, FORMAL_ORDER, NAME, PROFILE
 from fvcollapse.studies.refinement_figure import draw_png
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 LABELS = {
     "runout_10mm": "runout at 10 mm",
@@ -24,7 +30,9 @@ ROLES = ("coarse", "medium", "fine")
 RATIO_LEAST = 1.3  # recommended by Celik et al. (2008)
 
 
-def write_report(records, axis, case, folder, json_path=None):
+def write_report(
+    records: dict, axis: str, case: "Case", folder: Path, json_path: Path | None = None
+) -> list[Path]:
     """Write converge.json, .csv and .png into the folder; return their paths.
 
     Parameters
@@ -52,13 +60,13 @@ def write_report(records, axis, case, folder, json_path=None):
     return list(files)
 
 
-def label(name, case):
+def label(name: str, case: "Case") -> str:
     """Words for an observable, the thickness of the front in them."""
     thickness = f" at {1000.0 * case.front.thickness:g} mm" if name == "runout" else ""
     return LABELS[name] + thickness
 
 
-def csv_text(records, axis):
+def csv_text(records: dict, axis: str) -> str:
     """One line per observable and three neighbouring values, the finest three last."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -79,7 +87,7 @@ def csv_text(records, axis):
 # -- the table -----------------------------------------------------------------------------------
 
 
-def table(records, axis, case):
+def table(records: dict, axis: str, case: "Case") -> str:
     """Blocks of aligned text: the values, the convergence of every three neighbours, the fit to all; remarks."""
     values = next(iter(records.values()))[axis]
     rows = [[f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]]
@@ -97,7 +105,7 @@ def table(records, axis, case):
     return "\n\n".join([*blocks, "\n".join(remarks(records, axis, values))])
 
 
-def remarks(records, axis, values):
+def remarks(records: dict, axis: str, values: list[float]) -> Iterator[str]:
     """Notes on how to read the indices, and warnings."""
     if AXES[axis].size is None:
         yield "The tolerance is no refinement size: differences only."
@@ -120,7 +128,7 @@ def remarks(records, axis, values):
         )
 
 
-def oscillations(records):
+def oscillations(records: dict) -> Any:
     """Share of the observables, and of the points of the profile, that oscillate on refinement."""
     found = [
         triplet["behaviour"]
@@ -135,7 +143,7 @@ def oscillations(records):
     )
 
 
-def outcome_cells(triplet, axis):
+def outcome_cells(triplet: dict, axis: str) -> list[str]:
     """The cells of one line of the second block."""
     order = "-" if triplet["order"] is None else f"{triplet['order']:.2f}"
     errors = [percent(triplet[name]) for name in NUMBERS[2:]]
@@ -143,13 +151,13 @@ def outcome_cells(triplet, axis):
     return [sizes, triplet["behaviour"], order, digits(triplet["extrapolated"]), *errors]
 
 
-def fit_cells(fit):
+def fit_cells(fit: dict) -> list[str]:
     """The cells of one line of the third block."""
     errors = [percent(fit["deviation"]), percent(fit["uncertainty"])]
     return [fit["series"], f"{fit['order']:.2f}", digits(fit["extrapolated"]), *errors]
 
 
-def aligned(rows):
+def aligned(rows: list) -> str:
     """Rows of texts as lines: the first column to the left, the others to the right."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = []
@@ -159,11 +167,11 @@ def aligned(rows):
     return "\n".join(lines)
 
 
-def digits(value):
+def digits(value: float | None) -> str:
     """A value to five digits, or a dash."""
     return "-" if value is None else f"{value:.5g}"
 
 
-def percent(fraction):
+def percent(fraction: float | None) -> str:
     """A fraction in per cent, or a dash."""
     return "-" if fraction is None else f"{100.0 * fraction:.2f} %"

@@ -4,8 +4,10 @@ A process takes a second to start and to load the kernels. A diagnosis asks for 
 would pay for it again.
 """
 
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from math import inf
+from typing import Any
 
 from fvcollapse.console.interruption import deferred_interrupt, raised_interrupt
 from fvcollapse.studies.pool import ProcessPool
@@ -32,10 +34,11 @@ class StandingWorkers:
         Fewer than one worker.
     """
 
-    def __init__(self, workers=1, scheduler=None):
+    def __init__(self, workers: int = 1, scheduler: str | None = None) -> None:
         refuse_workers(workers)
         self.workers, self.scheduler = workers, scheduler
-        self.pool, self.until_the_end = None, ExitStack()
+        self.pool: Any = None
+        self.until_the_end = ExitStack()
 
     def __enter__(self):
         return self
@@ -45,14 +48,14 @@ class StandingWorkers:
             if self.pool is not None:
                 self.end_pool(cut_short=kind is not None)
 
-    def run_all(self, task, calls, finished):
+    def run_all(self, task: Callable, calls: dict, finished: Callable) -> None:
         """Call `task(*arguments)` for every {name: arguments}; as `workers.run_all`, without a bar."""
         if calls:
             with self.place() as place:
                 make_calls(place, task, calls, finished)
 
     @contextmanager
-    def place(self):
+    def place(self) -> Iterator:
         """The `Place` of one round. What ends the round by an exception ends the processes too."""
         if self.scheduler is not None or self.workers == 1:
             with executor(self.workers, self.scheduler) as place:
@@ -66,21 +69,21 @@ class StandingWorkers:
                 self.end_pool(cut_short=True)
                 raise
 
-    def submit(self, task, *arguments):
+    def submit(self, task: Callable, *arguments: Any) -> Any:
         """A future of `task(*arguments)`, made beside what this process does; None where it has no others."""
         if self.scheduler is not None or self.workers == 1:
             return None
         self.start_pool()
         return self.pool.submit(task, *arguments)
 
-    def start_pool(self):
+    def start_pool(self) -> None:
         """Let there be a pool; its processes start when there are calls for them."""
         if self.pool is None:
             self.until_the_end.enter_context(raised_interrupt())
             self.until_the_end.enter_context(one_thread())
             self.pool = ProcessPool(self.workers)
 
-    def end_pool(self, cut_short):
+    def end_pool(self, cut_short: bool) -> None:
         """End the processes; those that are marching save their state first."""
         pool, self.pool = self.pool, None
         if cut_short:

@@ -9,10 +9,11 @@ import csv
 import io
 import math
 import re
+from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, toml_value
@@ -31,6 +32,11 @@ from fvcollapse.output.result import open_result
 from fvcollapse.studies.members import run_member
 from fvcollapse.studies.workers import HERE, refuse_workers, run_all
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.studies.workers import Resources
+
+
 TABLE = "sweep.csv"
 POINTS_MAX = 100_000
 FOLDER_NAME_MAX = 120  # characters
@@ -48,10 +54,17 @@ class Point(NamedTuple):
 
     name: str
     values: dict
-    case: object
+    case: "Case"
 
 
-def sweep(case, variations, folder, resources=HERE, source="case", force=False):
+def sweep(
+    case: "Case",
+    variations: Mapping[str, Sequence],
+    folder: str | Path,
+    resources: "Resources" = HERE,
+    source: str | Path = "case",
+    force: bool = False,
+) -> list[dict[str, Any]]:
     """Run a case at every combination of values; what is finished is not run again.
 
     Parameters
@@ -106,7 +119,7 @@ def sweep(case, variations, folder, resources=HERE, source="case", force=False):
     return table_rows(points, outcomes)
 
 
-def run_point(case, folder, quiet, force=False):
+def run_point(case: "Case", folder: str | Path, quiet: bool, force: bool = False) -> dict[str, Any]:
     """Run one point, or continue it; return its summary."""
     run_member(case, folder, quiet, force)
     with failures_named():
@@ -116,7 +129,7 @@ def run_point(case, folder, quiet, force=False):
 # -- the points ----------------------------------------------------------------------------------
 
 
-def parse_variation(text):
+def parse_variation(text: str) -> tuple[str, list]:
     """(key, values) of "section.key=a,b,c"; the values are a TOML list, else words.
 
     Raises
@@ -133,7 +146,9 @@ def parse_variation(text):
     return name, found
 
 
-def all_points(case, variations, source="case"):
+def all_points(
+    case: "Case", variations: Mapping[str, Sequence], source: str | Path = "case"
+) -> list[Point]:
     """Every combination of the values as a `Point`; the last key changes fastest.
 
     Raises
@@ -158,7 +173,7 @@ def all_points(case, variations, source="case"):
     return points
 
 
-def make_point(case, values, source):
+def make_point(case: "Case", values: dict[str, Any], source: str | Path) -> Point:
     """One `Point`."""
     try:
         varied = case.replace(**values)
@@ -168,7 +183,7 @@ def make_point(case, values, source):
     return Point(point_name(values), values, varied)
 
 
-def point_name(values):
+def point_name(values: Mapping[str, Any]) -> str:
     """Name of a folder, made of the values; a digest stands for what would make it too long."""
     full = "_".join(f"{key}={toml_value(value)}" for key, value in values.items())
     name = re.sub(r"[^\w.=+-]+", "-", full.replace('"', "")).strip("-")
@@ -180,7 +195,7 @@ def point_name(values):
 # -- the table -----------------------------------------------------------------------------------
 
 
-def table_rows(points, outcomes):
+def table_rows(points: Sequence[Point], outcomes: Mapping[str, dict]) -> list[dict[str, Any]]:
     """One flat dictionary per point."""
     names = list(dict.fromkeys(name for of in outcomes.values() for name in of))
     columns = ["status", "problem", *(name for name in names if name not in ("status", "problem"))]
@@ -191,7 +206,7 @@ def table_rows(points, outcomes):
     ]
 
 
-def renew_table(path, rows):
+def renew_table(path: Path, rows: list[dict]) -> None:
     """Put rows into the table at `path`; rows of other points, and better ones of these, stay."""
     with exclusive(path.parent / LOCK):
         before = {row["point"]: row for row in read_table(path)}
@@ -200,7 +215,7 @@ def renew_table(path, rows):
         write_table(path, new + [row for point, row in before.items() if point not in names])
 
 
-def read_table(path):
+def read_table(path: Path) -> list[dict[str, Any]]:
     """The rows of a table, all cells as text; none if it is not there.
 
     Raises
@@ -216,7 +231,7 @@ def read_table(path):
     return rows
 
 
-def write_table(path, rows):
+def write_table(path: Path, rows: list[dict]) -> None:
     """Write the rows as CSV; None is an empty cell."""
     text = io.StringIO()
     columns = list(dict.fromkeys(name for row in rows for name in row))
@@ -229,14 +244,14 @@ def write_table(path, rows):
     write_atomic(path, text.getvalue().encode())
 
 
-def cell(value):
+def cell(value: Any) -> str:
     """A value as text: words as they are, the rest as in TOML; "" for None."""
     if value is None:
         return ""
     return value if isinstance(value, str) else toml_value(value)
 
 
-def table(rows):
+def table(rows: list[dict]) -> str:
     """The rows as aligned plain text: varied keys, status and a few observables."""
     keys = [name for name in list(rows[0])[1:] if name == "status" or "." in name]
     columns = [*keys, *(name for name in SHOWN if name in rows[0])]
@@ -248,7 +263,7 @@ def table(rows):
     )
 
 
-def short(value):
+def short(value: Any) -> str:
     """A value in a few characters."""
     if value is None:
         return "-"

@@ -10,6 +10,7 @@ import asyncio
 import os
 import sys
 from collections import Counter, deque
+from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -22,7 +23,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from functools import partial
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
@@ -50,7 +51,14 @@ class Resources(NamedTuple):
 HERE = Resources()  # one after the other, in this process
 
 
-def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
+def run_all(
+    task: Callable,
+    calls: dict,
+    finished: Callable,
+    workers: int = 1,
+    scheduler: str | None = None,
+    quiet: bool = True,
+) -> None:
     """Call `task(*arguments)` for every {name: arguments}, several at a time.
 
     Parameters
@@ -92,9 +100,9 @@ def run_all(task, calls, finished, workers=1, scheduler=None, quiet=True):
             make_calls(place, task, calls, end)
 
 
-def make_calls(place, task, calls, finished):
+def make_calls(place: "Place", task: Callable, calls: dict, finished: Callable) -> None:
     """Call `task(*arguments)` for every {name: arguments} at a `Place`; see `run_all`."""
-    queue, deaths = deque(calls), Counter()
+    queue, deaths = deque(calls), Counter()  # type: ignore[var-annotated]
 
     def end(name, outcome):
         """Report an outcome, or queue the call again if its worker died."""
@@ -109,7 +117,7 @@ def make_calls(place, task, calls, finished):
     drain(place, partial(call, solver_version(), task), calls, queue, end)
 
 
-def refuse_workers(workers):
+def refuse_workers(workers: int) -> None:
     """Refuse a number of processes below one."""
     if workers < 1:
         raise InputError("command line", "--workers", f"{workers}", "a whole number >= 1")
@@ -120,13 +128,13 @@ class Place(NamedTuple):
 
     pool: Executor
     width: float
-    interrupted: object
+    interrupted: Callable[[], int]
 
 
-def drain(place, task, calls, queue, end):
+def drain(place: Place, task: Callable, calls: dict, queue: Any, end: Callable) -> Any:
     """Make the calls of the queue, as many at a time as the place holds; `end` gets each outcome."""
     pool, width, interrupted = place
-    running = {}
+    running: dict[Future, Any] = {}
     while queue or running:
         while queue and len(running) < width:
             future = pool.submit(task, calls[queue[0]])
@@ -137,7 +145,7 @@ def drain(place, task, calls, queue, end):
             raise Interrupted(number)
 
 
-def call(version, task, arguments):
+def call(version: str, task: Callable, arguments: tuple) -> Any:
     """Make one call inside a worker."""
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
@@ -145,7 +153,7 @@ def call(version, task, arguments):
     return task(*arguments)
 
 
-def outcome_of(future):
+def outcome_of(future: Future) -> Any:
     """What a call returned, its `FvcollapseError`, or `DEAD`; other errors are raised."""
     try:
         error = future.exception()
@@ -160,7 +168,7 @@ def outcome_of(future):
     return future.result()
 
 
-def is_named(error, name):
+def is_named(error: BaseException | None, name: str) -> bool:
     """Whether an error has a type of this name; its package need not be installed."""
     return type(error).__name__ == name
 
@@ -169,7 +177,7 @@ def is_named(error, name):
 
 
 @contextmanager
-def executor(workers, scheduler):
+def executor(workers: int, scheduler: str | None) -> Iterator[Place]:
     """The `Place` of processes of this machine, or of a cluster."""
     if scheduler is not None:
         with cluster(scheduler) as client:
@@ -181,7 +189,7 @@ def executor(workers, scheduler):
             yield Place(pool, workers, interrupted)
 
 
-def no_signal():
+def no_signal() -> int:
     """Signals are raised where they come, or heeded by the run that is made."""
     return 0
 
@@ -200,7 +208,7 @@ class InThisProcess(Executor):
 
 
 @contextmanager
-def processes(workers):
+def processes(workers: int) -> Iterator[tuple]:
     """(pool of processes that compute with one thread each, whether a signal came)."""
     with one_thread(), deferred_interrupt(inf) as interrupted:
         pool = ProcessPool(workers)
@@ -213,7 +221,7 @@ def processes(workers):
 
 
 @contextmanager
-def cluster(address):
+def cluster(address: str) -> Iterator[Any]:
     """A client of a Dask scheduler."""
     try:
         from distributed import Client
@@ -244,7 +252,7 @@ def cluster(address):
 
 
 @contextmanager
-def one_thread():
+def one_thread() -> Iterator[None]:
     """Let the processes that start now use one thread each: the runs share the cores."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))

@@ -2,23 +2,33 @@
 
 import difflib
 import sys
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.question import claim_file
 
+if TYPE_CHECKING:
+    from fvcollapse.verification.problem import Problem
 
-def problem_names():
+
+def problem_names() -> list[str]:
     """Names of all verification problems."""
     from fvcollapse.verification.problems.all import PROBLEMS
 
     return [problem.name for problem in PROBLEMS]
 
 
-def verify(names=None, json_path=None, markdown_path=None, force=False):
+def verify(
+    names: Sequence[str] | None = None,
+    json_path: str | Path | None = None,
+    markdown_path: str | Path | None = None,
+    force: bool = False,
+) -> list[dict]:
     """Solve the named verification problems (all, if none are named); print and write the table.
 
     Parameters
@@ -72,7 +82,7 @@ def verify(names=None, json_path=None, markdown_path=None, force=False):
 
 
 @contextmanager
-def heeded_between_steps():
+def heeded_between_steps() -> Iterator[None]:
     """Defer Ctrl-C to the end of a time step of the flow that is running."""
     from fvcollapse.verification.flows import INTERRUPTED
 
@@ -84,7 +94,7 @@ def heeded_between_steps():
             INTERRUPTED.reset(token)
 
 
-def named(name, problems):
+def named(name: str, problems: Any) -> "Problem":
     """The problem of that name.
 
     Raises

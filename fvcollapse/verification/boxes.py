@@ -6,7 +6,9 @@ as the halo of a periodic stretch repeats it.
 """
 
 import math
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +28,7 @@ from fvcollapse.verification.flows import TIGHT, with_step
 GHOSTS = 2  # layers beyond a wall: the reach of the stencil of the momentum advection
 
 
-def box_case(cells, side=1.0, **changes):
+def box_case(cells: int, side: float = 1.0, **changes: Any) -> Case:
     """Case of a full box of `side` (m) with `cells` per side; free slip and level, unless changed.
 
     Keys are those of the case file with a double underscore for the dot.
@@ -49,7 +51,7 @@ def box_case(cells, side=1.0, **changes):
     return Case().replace(**keys)
 
 
-def channel_case(cells, depth=1.0, **changes):
+def channel_case(cells: int, depth: float = 1.0, **changes: Any) -> Case:
     """Case of a full channel of `depth` (m) below a lid: one column of a periodic stretch."""
     column = {"geometry__length_0": depth / cells, "boundary__ends": "periodic"}
     return box_case(cells, depth, **{**column, **changes})
@@ -103,7 +105,7 @@ class Box(Simulation):
         super().__init__(case, state, with_step(stages_of(self), dt))
         continue_in_box(self, self.flow())
 
-    def inside(self):
+    def inside(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Where u, w and pressure are those of the fluid: masks without walls and mirrors.
 
         Without the all but empty faces beside a free surface, whose velocity the solver itself does
@@ -122,25 +124,25 @@ class Box(Simulation):
 # -- the stages of a step that differ from those of a collapse ------------------------------------
 
 
-def stages_of(box):
+def stages_of(box: Any) -> Any:
     """The stages of a step in this box."""
     names = ("move_surface", "place", "carry_momentum", "continue_velocity")
-    stages = hold_surface, place_in_box, carry_and_push, continue_in_box
+    stages: tuple[Any, ...] = (hold_surface, place_in_box, carry_and_push, continue_in_box)
     bound = {name: partial(stage, box) for name, stage in zip(names, stages, strict=True)}
     return STAGES._replace(room_needed=stay, **bound)
 
 
-def stay(flow):
+def stay(flow: Any) -> Any:
     """Walls all around: the grid stays."""
     return NO_CHANGE
 
 
-def hold_surface(box, flow, dt):
+def hold_surface(box: Any, flow: Any, dt: float) -> Any:
     """A surface inside the box is where it was; return `Moved`."""
     return STAGES.move_surface(flow, dt) if box.surface is None else Moved(0.0, 0.0, 0.0)
 
 
-def place_in_box(box, flow, time, closed=False):
+def place_in_box(box: Any, flow: Any, time: float, closed: Any = False) -> Any:
     """The geometry is that of the fluid inside the walls, and the cells beyond are no unknowns; return its envelope."""
     STAGES.place(flow, time, closed)
     geometry, right, top = flow.geometry, box.right, box.cells_z
@@ -159,7 +161,7 @@ def place_in_box(box, flow, time, closed=False):
     return number_unknowns(inside, open_end=False)
 
 
-def carry_and_push(box, flow, packing, dt):
+def carry_and_push(box: Any, flow: Any, packing: np.ndarray, dt: float) -> Any:
     """Return the velocity after advection, the force on the fluid and the friction of the further walls, m/s."""
     u_star, w_star = STAGES.carry_momentum(flow, packing, dt)
     if box.force is not None:
@@ -170,7 +172,7 @@ def carry_and_push(box, flow, packing, dt):
     return u_star, w_star
 
 
-def add_walls(box, fields, u_star, w_star, dt):
+def add_walls(box: Any, fields: Any, u_star: np.ndarray, w_star: np.ndarray, dt: float) -> Any:
     """Friction of the walls that the solver does not know; dt < h^2/(2 nu) keeps it stable.
 
     The bed's own friction is implicit, but as if the bed stood still.
@@ -185,7 +187,7 @@ def add_walls(box, fields, u_star, w_star, dt):
             w_star[box.right - 1] -= rate * fields.w[box.right - 1]
 
 
-def continue_in_box(box, flow):
+def continue_in_box(box: Any, flow: Any) -> Any:
     """The layers beyond the walls mirror the flow."""
     if box.surface is not None:
         STAGES.continue_velocity(flow)
@@ -205,20 +207,20 @@ def continue_in_box(box, flow):
         state.bed_slip[:] = box.bed_speed
 
 
-def level_set_of(surface, h, nx, nz):
+def level_set_of(surface: Callable | None, h: float, nx: int, nz: int) -> np.ndarray:
     """Level set (nx + 1, nz + 1) of a surface (x, z) -> m, or of a full box, m."""
     if surface is None:
         return np.full((nx + 1, nz + 1), -20.0 * max(nx, nz) * h)
     return surface(*points(h, nx + 1, nz + 1, 0.0, 0.0))
 
 
-def points(h, nx, nz, offset_x, offset_z):
+def points(h: float, nx: int, nz: int, offset_x: float, offset_z: float) -> Any:
     """Abscissae and heights of nx by nz points, h apart, the first `offset` cells from the corner, m."""
     x, z = h * (np.arange(nx) + offset_x), h * (np.arange(nz) + offset_z)
     return np.meshgrid(x, z, indexing="ij")
 
 
-def mirror(field, wall, sign, on_face):
+def mirror(field: np.ndarray, wall: Any, sign: float, on_face: bool) -> Any:
     """Fill the layers beyond `wall` with what stands before it, times `sign`, in place."""
     if on_face:
         field[wall] = 0.0

@@ -6,7 +6,9 @@ step may be set at will.
 """
 
 import math
+from collections.abc import Callable
 from contextvars import ContextVar
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +27,7 @@ INTERRUPTED = ContextVar("interrupted", default=lambda: 0)  # a signal that wait
 TIGHT = {"numerics.tolerance": 1e-8, "numerics.max_sweeps": 300}
 
 
-def with_step(stages, dt):
+def with_step(stages: Any, dt: float) -> Any:
     """The stages of a simulation whose time step is dt (s), whatever the limits."""
     return stages._replace(choose_step=lambda flow, time_limit: dt)
 
@@ -36,22 +38,22 @@ class UniformFlow(Simulation):
     def __init__(self, case, state, dt):
         super().__init__(case, state, with_step(STAGES, dt))
 
-    def profile(self):
+    def profile(self) -> tuple[np.ndarray, np.ndarray]:
         """U (m/s) at the heights (m) of the wet cell centres, as (z, u)."""
         wet = self.geometry.filled[HALO] > 1e-3
         return self.grid.z_centres[wet], self.state.u[HALO, wet]
 
-    def mean_velocity(self):
+    def mean_velocity(self) -> float:
         """Velocity averaged over the mass of the layer, m/s."""
         mass = self.geometry.mass_x[HALO]
         return float(mass @ self.state.u[HALO] / mass.sum())
 
-    def surface_velocity(self):
+    def surface_velocity(self) -> float:
         """U of the uppermost wet cell, m/s."""
         return float(self.profile()[1][-1])
 
 
-def layer_case(cell_size, depth, **changes):
+def layer_case(cell_size: float, depth: float, **changes: Any) -> Case:
     """Case of a layer of `depth` (m) in a periodic stretch; no lateral walls, unless added.
 
     Keys are those of the case file with a double underscore for the dot, as in `rheology__mu_1 =
@@ -69,7 +71,9 @@ def layer_case(cell_size, depth, **changes):
     return Case().replace(**keys)
 
 
-def layer(case, velocity, dt, depth=None, slip=0.0):
+def layer(
+    case: Case, velocity: Callable, dt: float, depth: float | None = None, slip: Any = 0.0
+) -> Any:
     """Layer in hydrostatic balance that moves along the bed with `velocity(z)`.
 
     Parameters
@@ -104,13 +108,13 @@ def layer(case, velocity, dt, depth=None, slip=0.0):
     return UniformFlow(case, state, dt)
 
 
-def heed_interrupt():
+def heed_interrupt() -> Any:
     """Raise Interrupted if a signal waits; within a compiled kernel it would crash the process."""
     if number := INTERRUPTED.get()():
         raise Interrupted(number)
 
 
-def run_until(flow, time):
+def run_until(flow: Any, time: float) -> Any:
     """Advance to `time` (s)."""
     while flow.state.time < time - 1e-12:
         flow.advance(time)
@@ -118,7 +122,7 @@ def run_until(flow, time):
     return flow
 
 
-def run_until_steady(flow, change=1e-6, steps=60):
+def run_until_steady(flow: Any, change: float = 1e-6, steps: int = 60) -> Any:
     """Advance until a step whose sweeps have settled changes the velocity by less than `change` of the largest.
 
     Near a static-flowing interface the sweeps of a long step often end at their cap, with a small
@@ -144,7 +148,9 @@ def run_until_steady(flow, change=1e-6, steps=60):
 # -- surfaces in a given velocity ---------------------------------------------------------------
 
 
-def transport(surface, velocity, duration, cells, courant=0.5):
+def transport(
+    surface: Callable, velocity: Callable, duration: float, cells: int, courant: float = 0.5
+) -> Any:
     """Carry a surface through the unit square with the solver's own level-set routines.
 
     Parameters
@@ -179,7 +185,7 @@ def transport(surface, velocity, duration, cells, courant=0.5):
     return phi
 
 
-def surface_errors(phi, expected):
+def surface_errors(phi: np.ndarray, expected: np.ndarray) -> Any:
     """(area error, symmetric difference) of two surfaces, relative to the area."""
     found, wanted = cell_fractions(phi), cell_fractions(expected)
     area = wanted.sum()

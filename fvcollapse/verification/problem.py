@@ -7,7 +7,7 @@ theory gives an order of convergence, the fitted order is at least the expected 
 
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +36,7 @@ class Problem(NamedTuple):
     source: str = "discretisation"
 
 
-def solve(problem, grids=None):
+def solve(problem: Problem, grids: Sequence[int] | None = None) -> dict:
     """Run a problem; return its row of the table.
 
     Returns
@@ -67,7 +67,7 @@ def solve(problem, grids=None):
     }
 
 
-def errors_on(problem, cells):
+def errors_on(problem: Problem, cells: int) -> np.ndarray:
     """Errors on one grid; infinite, with a line on stderr, where the solver fails."""
     try:
         return np.atleast_1d(problem.errors(cells))
@@ -76,7 +76,7 @@ def errors_on(problem, cells):
         return np.array([math.inf])
 
 
-def fitted_order(grids, errors):
+def fitted_order(grids: Sequence[int], errors: Sequence[float]) -> float | None:
     """Least-squares slope of log(error) against log(cell size); None if an error is zero or NaN."""
     if not all(0.0 < error < math.inf for error in errors):
         return None

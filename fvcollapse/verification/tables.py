@@ -2,8 +2,14 @@
 
 import json
 import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.verification.terms import TERMS
+
+if TYPE_CHECKING:
+    from fvcollapse.verification.problem import Problem
+
 
 HEADING = (
     f"{'problem':39s} {'grids':>16s} {'L1':>9s} {'L2':>9s} {'Linf':>9s} "
@@ -16,7 +22,7 @@ MARKDOWN_HEADING = (
 )
 
 
-def table_line(row):
+def table_line(row: dict) -> str:
     """One row of the table; the norms are those of the finest grid."""
     grids = " ".join(str(cells) for cells in row["grids"])
     norms = " ".join(f"{row[name][-1]:9.1e}" for name in ("error_l1", "error_l2", "error_linf"))
@@ -27,7 +33,7 @@ def table_line(row):
     return f"{row['name']:39s} {grids:>16s} {norms} {ends}"
 
 
-def markdown_table(rows, problems):
+def markdown_table(rows: list[dict], problems: "Mapping[str, Problem]") -> str:
     """The rows as a table equation term → file → problem → measured error.
 
     Parameters
@@ -44,7 +50,7 @@ def markdown_table(rows, problems):
     return "\n".join(lines) + "\n"
 
 
-def markdown_line(problem, row):
+def markdown_line(problem: "Problem", row: dict) -> str:
     """One problem of the table."""
     grids = ", ".join(str(cells) for cells in row["grids"])
     judged = f"≤ {row['tolerance']:.1e}: {problem.source}"
@@ -58,12 +64,12 @@ def markdown_line(problem, row):
     return f"| {term.words} | `{term.file}` | {name} | {grids} | {errors} | {judged}{verdict} |"
 
 
-def json_text(rows):
+def json_text(rows: list[dict]) -> str:
     """The rows as JSON, with null in the place of NaN and infinity."""
     return json.dumps(finite(rows), indent=1, allow_nan=False) + "\n"
 
 
-def finite(value):
+def finite(value: Any) -> Any:
     """The same nested lists and dicts with None in the place of NaN and infinity."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}

@@ -5,16 +5,24 @@ effect for it. Each check compares numbers that must agree and names the convent
 disagreement. What no collapse can do is an error; what is merely odd is a warning in the report.
 """
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.errors import InputError
 from fvcollapse.measure.plausibility import column, scalars, set_up, values
 from fvcollapse.measure.plausibility.finding import ERROR, WARNING
 
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.plausibility.finding import Finding
+
+
 CHECKS = (*set_up.CHECKS, *values.CHECKS, *scalars.CHECKS, *column.CHECKS)
 
 
-def findings(experiment):
+def findings(experiment: "Experiment") -> "Iterator[Finding]":
     """Everything impossible or odd about an experiment, in the order of the checks.
 
     Parameters
@@ -31,7 +39,7 @@ def findings(experiment):
         yield from found
 
 
-def refuse_impossible(experiment):
+def refuse_impossible(experiment: "Experiment") -> None:
     """Raise InputError at the first thing about an experiment that no collapse can do."""
     for finding in findings(experiment):
         if finding.severity == ERROR:
@@ -39,6 +47,6 @@ def refuse_impossible(experiment):
             raise InputError(path, finding.key, finding.found, finding.expected)
 
 
-def oddities(experiment):
+def oddities(experiment: "Experiment") -> "list[Finding]":
     """The warnings about an experiment, a list of `Finding`."""
     return [finding for finding in findings(experiment) if finding.severity == WARNING]

@@ -4,8 +4,10 @@ At the start nothing has moved: the front stands at the gate, the profile is the
 no physics of grains but a unit, an origin, or another direction in which lengths were read.
 """
 
+from collections.abc import Iterator
 from itertools import pairwise
 from math import cos, hypot, isfinite, sqrt
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import trapezoid
@@ -20,6 +22,11 @@ from fvcollapse.measure.plausibility.finding import (
     unit_words,
 )
 from fvcollapse.measure.plausibility.values import FAR, advance, at_point, of_curve
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.plausibility.finding import Scales
+
 
 EARLY = 0.5  # fall times, in which the top at the gate comes down by an eighth of the height
 AT_ONCE = 0.1  # fall times, in which nothing moves by more than half a percent
@@ -45,7 +52,7 @@ SLOW_GATE = 3.0  # times of opening of a gate, which then sets the pace
 LEAST_TRAVEL = 0.25  # of the length: a front that hardly moves has no pace
 
 
-def first_front(experiment):
+def first_front(experiment: "Experiment") -> Iterator[Finding]:
     """The front starts at the gate."""
     if "front" not in experiment.curves:
         return
@@ -62,7 +69,7 @@ def first_front(experiment):
     yield of_curve("front", WARNING, at_point(curve, 0), allowed, likely)
 
 
-def first_profile(experiment):
+def first_profile(experiment: "Experiment") -> Iterator[Finding]:
     """The first profile is the column: its height, and the place of its face."""
     curve, scales = experiment.curves.get("profiles"), scales_of(experiment)
     if curve is None or curve.time[0] + experiment.time_origin > EARLY * scales.time:
@@ -81,7 +88,9 @@ def first_profile(experiment):
         yield from mean_height(experiment, x, h, sigma)
 
 
-def mean_height(experiment, x, h, sigma):
+def mean_height(
+    experiment: "Experiment", x: np.ndarray, h: np.ndarray, sigma: float
+) -> Iterator[Finding]:
     """Mean thickness of a column at rest, read normal to the bed."""
     scales = scales_of(experiment)
     inside = (x >= 0.0) & (x < EDGE * scales.length)
@@ -105,7 +114,9 @@ def mean_height(experiment, x, h, sigma):
     yield of_curve("profiles", WARNING, found, allowed, likely)
 
 
-def face(experiment, x, h, moment):
+def face(
+    experiment: "Experiment", x: np.ndarray, h: np.ndarray, moment: float
+) -> Iterator[Finding]:
     """The face of the column in the first profile, between two places, stands at the gate."""
     scales = scales_of(experiment)
     thick = np.flatnonzero(h > FACE * scales.height)
@@ -128,7 +139,7 @@ def face(experiment, x, h, moment):
     yield Finding(severity, "profiles.csv", "x_m", found, allowed, likely)
 
 
-def other_direction(scales, low, high, spread):
+def other_direction(scales: "Scales", low: float, high: float, spread: float) -> str:
     """The origin or direction of X that a face of the column between two places fits to, as a question."""
     if low - ODD * spread < 0.0 < high + ODD * spread:
         return BACK_WALL
@@ -137,7 +148,7 @@ def other_direction(scales, low, high, spread):
     return "X read horizontally instead of along the bed (cos of the slope)?" if near else ""
 
 
-def area(experiment):
+def area(experiment: "Experiment") -> Iterator[Finding]:
     """Complete profiles hold the grains of the column."""
     curve, scales = experiment.curves.get("profiles"), scales_of(experiment)
     if curve is None:
@@ -165,7 +176,7 @@ def area(experiment):
     yield of_curve("profiles", severity, found, allowed, likely)
 
 
-def pace(experiment):
+def pace(experiment: "Experiment") -> Iterator[Finding]:
     """Grains fall: the front covers half of its way within a few fall times."""
     scales, gate = scales_of(experiment), experiment.settings.gate
     file, time, place = travel(experiment, scales)
@@ -187,7 +198,7 @@ def pace(experiment):
     yield Finding(severity, file, "t_s", found, allowed, other_clock(time, half, scales))
 
 
-def travel(experiment, scales):
+def travel(experiment: "Experiment", scales: "Scales") -> tuple[str, Any, Any]:
     """(file, times, places) of the front as measured, or as the profiles show it; None without either."""
     curves = experiment.curves
     if "front" in curves:
@@ -204,13 +215,13 @@ def travel(experiment, scales):
     return "profiles.csv", time[last], x[last]
 
 
-def pictures(time):
+def pictures(time: np.ndarray) -> list[slice]:
     """A slice of each run of equal times, in their order."""
     starts = np.flatnonzero(np.diff(time, prepend=-np.inf))
     return [slice(start, stop) for start, stop in pairwise((*starts.tolist(), len(time)))]
 
 
-def other_clock(time, half, scales):
+def other_clock(time: np.ndarray, half: float, scales: "Scales") -> str:
     """What a time that is too long may be, as a question."""
     whole = len(time) > 2 and (time == np.round(time)).all()
     if 0.5 <= half / scales.time / 1000.0 <= SLOW:

@@ -1,9 +1,13 @@
 """What a check of plausibility says, and the scales of a collapse that it judges by."""
 
 from math import radians, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.case.case import GRAVITY
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
+
 
 ERROR, WARNING = "error", "warning"
 UNITS = {"mm": 1000.0, "cm": 100.0, "dm": 10.0}  # in a metre
@@ -36,7 +40,7 @@ class Finding(NamedTuple):
     likely: str = ""
 
     @property
-    def expected(self):
+    def expected(self) -> str:
         """What is allowed, and the likely convention."""
         return f"{self.allowed}; {self.likely}" if self.likely else self.allowed
 
@@ -51,7 +55,7 @@ class Scales(NamedTuple):
     speed: float
 
 
-def scales_of(experiment):
+def scales_of(experiment: "Experiment") -> Scales:
     """The `Scales` of an experiment."""
     geometry = experiment.settings.geometry
     height = geometry.height_0
@@ -59,7 +63,7 @@ def scales_of(experiment):
     return Scales(height, geometry.length_0, slope, sqrt(height / GRAVITY), sqrt(GRAVITY * height))
 
 
-def unit_words(ratio):
+def unit_words(ratio: float) -> str:
     """The unit that a ratio of found to expected length suggests, as a question; "" if none."""
     for unit, factor in UNITS.items():
         if factor / NEAR_UNIT < ratio < factor * NEAR_UNIT:

@@ -1,6 +1,8 @@
 """Plausibility of single numbers: run-out, final height, time of arrest, peak velocity, and their bounds."""
 
+from collections.abc import Iterator
 from math import hypot, radians, sin, tan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +17,11 @@ from fvcollapse.measure.plausibility.finding import (
 )
 from fvcollapse.measure.plausibility.values import FAR, FARTHEST, HIGH, HIGHEST, LONGEST
 
+if TYPE_CHECKING:
+    from fvcollapse.measure.curves import Scalar
+    from fvcollapse.measure.experiment import Experiment
+
+
 FILE = "scalars.csv"
 LEAST_FRICTION = 0.3  # where none is stated; glass beads have 0.36 to 0.44
 STEEP = 0.05  # least difference of friction and slope in the energy balance of the run-out
@@ -26,7 +33,7 @@ THINNEST = 0.01  # of the height: deposits of columns 20 times as high as long k
 FLOW_TIME = 30.0  # fall times over which a slope may drive the front
 
 
-def runout(experiment):
+def runout(experiment: "Experiment") -> Iterator[Finding]:
     """The grains reach at least the gate, and no farther than a block would slide."""
     scales = scales_of(experiment)
     column = scales.height + scales.length
@@ -50,7 +57,7 @@ def runout(experiment):
                 yield about(scalar, WARNING, found, allowed, "in cm or dm instead of m?")
 
 
-def block_way(experiment):
+def block_way(experiment: "Experiment") -> float:
     """Way of a block that falls by the height of the column and slides with the friction of the grains, m."""
     material, scales = experiment.settings.material, scales_of(experiment)
     friction = material.mu_1
@@ -60,7 +67,7 @@ def block_way(experiment):
     return scales.height / max(friction - tan(scales.slope), STEEP)
 
 
-def final_height(experiment):
+def final_height(experiment: "Experiment") -> Iterator[Finding]:
     """The deposit is no higher than the column."""
     height = scales_of(experiment).height
     for scalar in named(experiment, "final_height"):
@@ -78,7 +85,7 @@ def final_height(experiment):
             yield about(scalar, WARNING, found, allowed, unit_words(ratio))
 
 
-def time_stop(experiment):
+def time_stop(experiment: "Experiment") -> Iterator[Finding]:
     """The grains stop after the start, and within the time of a collapse."""
     time = scales_of(experiment).time
     for scalar in named(experiment, "time_stop"):
@@ -97,7 +104,7 @@ def time_stop(experiment):
             yield about(scalar, WARNING, found, allowed, "in minutes instead of s?")
 
 
-def velocity(experiment):
+def velocity(experiment: "Experiment") -> Iterator[Finding]:
     """The front is no faster than a fluid without friction."""
     scales = scales_of(experiment)
     most = scales.speed * (2.0 + FLOW_TIME * sin(scales.slope))
@@ -112,7 +119,7 @@ def velocity(experiment):
             yield about(scalar, severity, found, allowed, "in mm/s or cm/s instead of m/s?")
 
 
-def bounds(experiment):
+def bounds(experiment: "Experiment") -> Iterator[Finding]:
     """A lower bound, the value and an upper bound follow one another."""
     for name in dict.fromkeys(scalar.name for scalar in experiment.scalars):
         kinds = {scalar.kind: scalar for scalar in named(experiment, name)}
@@ -127,7 +134,7 @@ def bounds(experiment):
                 yield about(above, ERROR, found, " ".join(allowed.split()))
 
 
-def runout_beside_front(experiment):
+def runout_beside_front(experiment: "Experiment") -> Iterator[Finding]:
     """The run-out is the farthest place of the front."""
     curve = experiment.curves.get("front")
     if curve is None:
@@ -142,18 +149,18 @@ def runout_beside_front(experiment):
             yield about(scalar, WARNING, words(scalar, "m"), allowed, likely)
 
 
-def named(experiment, name):
+def named(experiment: "Experiment", name: str) -> "list[Scalar]":
     """Scalars of a name."""
     return [scalar for scalar in experiment.scalars if scalar.name == name]
 
 
-def words(scalar, unit):
+def words(scalar: "Scalar", unit: str) -> str:
     """A value and its kind in words."""
     kind = "" if scalar.kind == "value" else f" as {scalar.kind} bound"
     return f"{scalar.value:g} {unit}{kind}"
 
 
-def about(scalar, severity, found, allowed, likely=""):
+def about(scalar: "Scalar", severity: str, found: str, allowed: str, likely: str = "") -> Finding:
     """The `Finding` about a scalar."""
     return Finding(severity, FILE, scalar.name, found, allowed, likely)
 

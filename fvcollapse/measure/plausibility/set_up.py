@@ -3,9 +3,15 @@
 A range of single keys (`experiment_keys`) holds what is legal. Here each number meets the others.
 """
 
+from collections.abc import Iterator
 from math import atan, degrees, isfinite, radians, tan
+from typing import TYPE_CHECKING
 
 from fvcollapse.measure.plausibility.finding import ERROR, WARNING, Finding, scales_of
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
+
 
 FILE = "experiment.toml"
 # 3 to 30 deg in radians; as degrees a bed is that nearly level, and still stated as sloping, only by chance
@@ -26,7 +32,7 @@ THICKEST_FRONT = 1.0 / 3.0  # of the column
 ASPECT = 100.0  # of a column or its inverse; 0.1 to 20 in print
 
 
-def slope_in_radians(experiment):
+def slope_in_radians(experiment: "Experiment") -> Iterator[Finding]:
     """A slope of a fraction of a degree that would be a usual one in radians."""
     slope = experiment.settings.geometry.slope_angle_deg
     if RADIANS[0] <= slope <= RADIANS[1]:
@@ -40,7 +46,7 @@ def slope_in_radians(experiment):
         )
 
 
-def angles_against_friction(experiment):
+def angles_against_friction(experiment: "Experiment") -> Iterator[Finding]:
     """Angles of repose and avalanche are those of mu_1, and the second is the larger one."""
     material = experiment.settings.material
     repose, avalanche = material.repose_angle_deg, material.avalanche_angle_deg
@@ -53,7 +59,7 @@ def angles_against_friction(experiment):
         yield Finding(WARNING, FILE, key, f"{avalanche:g} deg", allowed, "the two exchanged?")
 
 
-def angle_against_friction(key, angle, mu_1):
+def angle_against_friction(key: str, angle: float | None, mu_1: float | None) -> Iterator[Finding]:
     """One angle beside mu_1 (None: not stated)."""
     if mu_1 is None:
         if angle < LEAST_REPOSE:
@@ -73,7 +79,7 @@ def angle_against_friction(key, angle, mu_1):
         )
 
 
-def other_angle(angle, stated):
+def other_angle(angle: float, stated: float) -> str:
     """What an angle is if it is not one in degrees, as a question; `stated` is the one expected [deg]."""
     meanings = {"in radians": degrees(angle), "a tangent": degrees(atan(angle))}
     if stated is not None:
@@ -87,7 +93,7 @@ def other_angle(angle, stated):
     return " or ".join(f"{name} ({value:.1f} deg)" for name, value in meanings.items()) + "?"
 
 
-def coefficients(experiment):
+def coefficients(experiment: "Experiment") -> Iterator[Finding]:
     """Friction coefficients that would be walls; angles in degrees are larger still."""
     material = experiment.settings.material
     for name in ("mu_1", "mu_2", "mu_bed", "mu_back_wall", "mu_wall"):
@@ -98,7 +104,7 @@ def coefficients(experiment):
             yield Finding(WARNING, FILE, key, f"{value:g}", allowed, likely)
 
 
-def grains_against_column(experiment):
+def grains_against_column(experiment: "Experiment") -> Iterator[Finding]:
     """Grains are smaller than the column and than the channel."""
     geometry, grain = experiment.settings.geometry, experiment.settings.material.grain_diameter
     if grain is None:
@@ -116,7 +122,7 @@ def grains_against_column(experiment):
         yield Finding(severity, FILE, "geometry.channel_width", found, allowed)
 
 
-def densities(experiment):
+def densities(experiment: "Experiment") -> Iterator[Finding]:
     """Densities of solids, and the packing that they make."""
     material = experiment.settings.material
     grain, bulk = material.density_grain, material.density_bulk
@@ -133,7 +139,7 @@ def densities(experiment):
         yield Finding(WARNING, FILE, "material.solid_fraction", f"{packed:.3g}", allowed)
 
 
-def column_and_gate(experiment):
+def column_and_gate(experiment: "Experiment") -> Iterator[Finding]:
     """The shape of the column, the speed of the gate, and the thickness that defines the front."""
     settings, scales = experiment.settings, scales_of(experiment)
     aspect = scales.height / scales.length

@@ -4,9 +4,12 @@ What is impossible lies beyond what any column of the stated size can do, by mor
 deviations of the measurement.
 """
 
+from collections.abc import Iterator
 from math import sin
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.stats import norm
 
 from fvcollapse.case.case import GRAVITY
@@ -20,6 +23,12 @@ from fvcollapse.measure.plausibility.finding import (
     unit_words,
 )
 from fvcollapse.measure.quantities import CURVES, PROFILES
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.curves import Curve
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.plausibility.finding import Scales
+
 
 FAR = 5.0  # standard deviations: once in 3 million measurements
 # largest thickness in heights of the column: grains only fall; a gate drags some 12 % up, and a column that
@@ -44,7 +53,7 @@ FINE_SIGMA, COARSE_SIGMA = 1.0e-5, 1.0
 LONGEST = 1.0e4  # fall times: under a slow gate a column runs out for 60
 
 
-def heights(experiment):
+def heights(experiment: "Experiment") -> Iterator[Finding]:
     """Thickness and interface lie between the bed and the top of the column."""
     height = scales_of(experiment).height
     for name in PROFILES:
@@ -62,7 +71,7 @@ def heights(experiment):
         yield from below_the_bed(name, curve, height)
 
 
-def below_the_bed(name, curve, height):
+def below_the_bed(name: str, curve: "Curve", height: float) -> Iterator[Finding]:
     """Heights below the bed by more than their errors."""
     thin = curve.value < THIN * curve.sigma
     if not thin.any():
@@ -83,7 +92,7 @@ def below_the_bed(name, curve, height):
     yield of_curve(name, ERROR if impossible else WARNING, found, allowed, likely)
 
 
-def places(experiment):
+def places(experiment: "Experiment") -> Iterator[Finding]:
     """Profiles begin at the back wall and end within reach."""
     scales = scales_of(experiment)
     column = scales.height + scales.length
@@ -104,7 +113,7 @@ def places(experiment):
             yield Finding(ERROR, f"{name}.csv", key, found, allowed, "in mm or cm instead of m?")
 
 
-def fronts(experiment):
+def fronts(experiment: "Experiment") -> Iterator[Finding]:
     """The front is neither behind the gate nor ahead of an ideal fluid at any time."""
     if "front" not in experiment.curves:
         return
@@ -132,13 +141,13 @@ def fronts(experiment):
         yield of_curve("front", ERROR, found, allowed, likely)
 
 
-def advance(scales, time):
+def advance(scales: "Scales", time: ArrayLike) -> np.ndarray:
     """Distance from the gate that a fluid without friction runs in a time, m (Ritter 1892, on a slope)."""
     time = np.maximum(time, 0.0)
     return 2.0 * scales.speed * time + 0.5 * GRAVITY * sin(scales.slope) * time**2
 
 
-def volumes(experiment):
+def volumes(experiment: "Experiment") -> Iterator[Finding]:
     """The relative change of volume begins at zero and stays small."""
     if "volume" not in experiment.curves:
         return
@@ -160,7 +169,7 @@ def volumes(experiment):
     yield of_curve("volume", severity, at_point(curve, worst), allowed, likely)
 
 
-def deviations(experiment):
+def deviations(experiment: "Experiment") -> Iterator[Finding]:
     """Standard deviations are neither round-off nor larger than what is measured."""
     scales = scales_of(experiment)
     column = scales.height + scales.length
@@ -174,7 +183,7 @@ def deviations(experiment):
         yield from deviation("scalars.csv", key, scalar.sigma, sizes.get(scalar.name, column))
 
 
-def deviation(file, key, sigma, scale):
+def deviation(file: str, key: str, sigma: float, scale: float) -> Iterator[Finding]:
     """One standard deviation beside the scale of its quantity."""
     if not LEAST_SIGMA * scale <= sigma <= LARGEST_SIGMA * scale:
         allowed = f"{LEAST_SIGMA * scale:.2g} to {LARGEST_SIGMA * scale:.3g}"
@@ -185,7 +194,7 @@ def deviation(file, key, sigma, scale):
         yield Finding(WARNING, file, key, f"{sigma:g}", allowed, likely)
 
 
-def times(experiment):
+def times(experiment: "Experiment") -> Iterator[Finding]:
     """All times lie within what a collapse can take."""
     limit = LONGEST * scales_of(experiment).time
     for name, curve in experiment.curves.items():
@@ -197,12 +206,12 @@ def times(experiment):
             yield Finding(ERROR, f"{name}.csv", "t_s", f"{curve.time[worst]:g} s", allowed, likely)
 
 
-def of_curve(name, severity, found, allowed, likely=""):
+def of_curve(name: str, severity: str, found: str, allowed: str, likely: str = "") -> Finding:
     """The `Finding` about the measured value of a curve."""
     return Finding(severity, f"{name}.csv", CURVES[name].columns[-1], found, allowed, likely)
 
 
-def at_point(curve, row):
+def at_point(curve: "Curve", row: int) -> str:
     """A value with its time and place, in words."""
     place = "" if curve.x is None else f", x = {curve.x[row]:g} m"
     return f"{curve.value[row]:g} at t = {curve.time[row]:g} s{place}"

@@ -14,7 +14,9 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.case.case import Case
 from fvcollapse.console.bars import tqdm
@@ -29,7 +31,7 @@ from fvcollapse.version import __version__
 __all__ = ["run_bench", "run_member", "table"]
 
 
-def run_member(case):
+def run_member(case: Case) -> dict:
     """Figures of one case from a new process, with the wall time of that process but for its second, timed run."""
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     code = (
@@ -50,7 +52,7 @@ def run_member(case):
     return figures | {"command_s": elapsed - figures.pop("timed_again_s")}
 
 
-def compile_times():
+def compile_times() -> dict:
     """Wall time of the command on a short coarse case: with nothing compiled, and with all on the disk, s."""
     case = shortened(Case().replace(**{"effects.lateral_friction": {}}))
     with tempfile.TemporaryDirectory() as folder:
@@ -59,7 +61,7 @@ def compile_times():
     return {"cold_s": cold, "warm_s": min(warm)}
 
 
-def time_command(case, folder, number):
+def time_command(case: Case, folder: Path, number: int) -> float:
     """Wall time of `fvcollapse run` with the compiled kernels kept in a folder, s; `number` names its result."""
     write_atomic(folder / "case.toml", case.to_toml().encode())
     command = [sys.executable, "-m", "fvcollapse", "run", str(folder / "case.toml"), "--quiet"]
@@ -74,14 +76,14 @@ def time_command(case, folder, number):
     return time.perf_counter() - start
 
 
-def refuse_failure(done):
+def refuse_failure(done: Any) -> None:
     """Raise what made a process of the benchmark fail."""
     if done.returncode != 0:
         reason = done.stderr.strip().splitlines()[-1:] or [f"exit status {done.returncode}"]
         raise NumericalError(f"a case of the benchmark failed: {reason[0]}")
 
 
-def sweep_times():
+def sweep_times() -> dict:
     """Wall time of a sweep of 8 runs on 6 mm cells with one and with two processes, s, and their ratio."""
     case = Case().replace(**{"grid.cell_size": 0.006, "time.end": 2.0, "time.field_interval": 2.0})
     slopes = {"geometry.slope_angle_deg": [15.0 + number for number in range(8)]}
@@ -98,7 +100,7 @@ def sweep_times():
     }
 
 
-def machine():
+def machine() -> dict:
     """What the figures were measured on."""
     model = platform.processor()
     info = Path("/proc/cpuinfo")
@@ -114,7 +116,14 @@ def machine():
     }
 
 
-def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=False):
+def run_bench(
+    names: Sequence[str] = (),
+    path: str | Path | None = None,
+    quiet: bool = False,
+    effects: bool = False,
+    end: float | None = None,
+    finest: bool = False,
+) -> dict:
     """Measure cases and compilation; rewrite the report at `path` (JSON) after every case.
 
     With `effects` the cases are those of `effect_cases` and nothing else is measured; each has a
@@ -154,7 +163,7 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=
         chosen = dict.fromkeys([NO_EFFECT, *(names or known)])
         return run_effects({name: known[name] for name in chosen}, path, quiet)
     chosen = {name: known[name] for name in names or cases(finest)}
-    report = {"machine": machine(), "compilation": compile_times(), "cases": []}
+    report: dict[str, Any] = {"machine": machine(), "compilation": compile_times(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         report["cases"].append({"name": name} | run_member(case))
         report["growth"] = growth(report["cases"])
@@ -165,9 +174,9 @@ def run_bench(names=(), path=None, quiet=False, effects=False, end=None, finest=
     return report
 
 
-def run_effects(chosen, path, quiet):
+def run_effects(chosen: dict, path: str | Path | None, quiet: bool) -> dict:
     """The report of the effects."""
-    report = {"machine": machine(), "cases": []}
+    report: dict[str, Any] = {"machine": machine(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         run_member(shortened(case))  # its kernels are compiled
         row = {"name": name} | run_member(case)
@@ -177,7 +186,7 @@ def run_effects(chosen, path, quiet):
     return report
 
 
-def save(report, path):
+def save(report: dict, path: str | Path | None) -> None:
     """Write the report as JSON, if a path is given."""
     if path is not None:
         write_atomic(path, json.dumps(report, indent=1).encode() + b"\n")

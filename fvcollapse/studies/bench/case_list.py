@@ -13,7 +13,7 @@ FINEST = 0.0015  # m; minutes each, on demand
 NO_EFFECT = "no_effect"
 
 
-def cases(finest=False):
+def cases(finest: bool = False) -> dict[str, Case]:
     """The cases by name; the mass is released at once, as in the code that they are compared with."""
     return {
         f"{slope}deg_{width}_{1e3 * size:g}mm": Case().replace(
@@ -33,7 +33,7 @@ def cases(finest=False):
     }
 
 
-def effect_cases():
+def effect_cases() -> dict[str, Case]:
     """The collapse at 22 deg, 10 cm and 6 mm without any effect, then with each that changes the flow.
 
     Every parameter has the median of its prior; of several variants the default one is taken.
@@ -49,12 +49,12 @@ def effect_cases():
     return {NO_EFFECT: base} | with_each
 
 
-def shortened(case):
+def shortened(case: Case) -> Case:
     """A short coarse run that calls the kernels of a case."""
     return until(case.replace(**{"grid.cell_size": 0.03}), 0.05)
 
 
-def until(case, end):
+def until(case: Case, end: float) -> Case:
     """The case cut short at a time, s."""
     end = min(end, case.time.end)
     return case.replace(**{"time.end": end, "time.field_interval": end})

@@ -3,7 +3,9 @@
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +17,10 @@ from fvcollapse.step import assembly, coefficients
 from fvcollapse.step.advance import STAGES, balance_of
 from fvcollapse.step.banded import allocate_system, clear, factorise, solve_factorised
 from fvcollapse.step.compiled import from_python, kernel_jit
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.simulation import Marched
 
 try:
     import resource
@@ -38,14 +44,14 @@ PARTS = ("coefficients", "assembly", "factorisation", "substitution")
 class Clock:
     """Wall time of the stages of a step, in `seconds`; `read` returns the present time, s."""
 
-    def __init__(self, read=time.perf_counter):
+    def __init__(self, read: Callable[[], float] = time.perf_counter) -> None:
         self.read, self.seconds = read, dict.fromkeys(TERMS, 0.0)
 
-    def stages(self):
+    def stages(self) -> Any:
         """The stages of a step, which add their wall time to `seconds`."""
         return STAGES._replace(**{name: self.timed(name) for name in TERMS})
 
-    def timed(self, name):
+    def timed(self, name: str) -> Callable:
         """A stage that adds its wall time to `seconds`."""
         stage = getattr(STAGES, name)
 
@@ -61,19 +67,19 @@ class Clock:
 class TimedSimulation(Simulation):
     """A simulation that keeps the wall time of its terms and the sizes of its systems."""
 
-    def __init__(self, case, state=None):
+    def __init__(self, case: "Case", state: Any = None) -> None:
         clock = Clock()
         super().__init__(case, state, clock.stages())
         self.seconds = clock.seconds = dict.fromkeys(TERMS, 0.0)  # of the steps, without the start
         self.sweeps = self.unknowns = self.cells = self.steps = 0
         self.began = self.ended = self.probing = 0.0
-        self.sweep_parts = []
+        self.sweep_parts: list[dict] = []
 
-    def march(self, time_limit, steps, guarded=True):
+    def march(self, time_limit: float, steps: int, guarded: bool = True) -> "Marched":
         """One step, counted."""
         self.began = self.began or time.perf_counter()
         marched = super().march(time_limit, min(steps, 1), guarded)
-        cells = np.count_nonzero(self.geometry.filled)
+        cells = int(np.count_nonzero(self.geometry.filled))
         for record in marched.records:
             self.sweeps += record.sweeps
             self.unknowns += record.sweeps * (unknown_faces(self.geometry) + cells)
@@ -87,12 +93,12 @@ class TimedSimulation(Simulation):
         return marched
 
 
-def unknown_faces(geometry):
+def unknown_faces(geometry: Any) -> int:
     """Number of the faces whose velocity is unknown."""
     return 1 + max(int(geometry.index_u.max()), int(geometry.index_w.max()))
 
 
-def time_sweep(simulation):
+def time_sweep(simulation: Simulation) -> dict:
     """Time of the parts of one sweep of the present state, s, and its size; the state stays as it is."""
     state, geometry, work = simulation.state.copy(), simulation.geometry, simulation.work
     flow, spacing = simulation.flow(), simulation.spacing
@@ -135,7 +141,7 @@ def time_sweep(simulation):
     return parts | {"unknowns": unknowns, "coefficients_read": coefficients_read}
 
 
-def best(work, repeats=REPEATS):
+def best(work: Callable[[], object], repeats: int = REPEATS) -> float:
     """Shortest of a few wall times, s."""
     times = []
     for _ in range(repeats):
@@ -146,13 +152,13 @@ def best(work, repeats=REPEATS):
 
 
 @kernel_jit()
-def triad(a, b, c):
+def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
     """Set a = b + 2 c."""
     for i in range(a.size):
         a[i] = b[i] + 2.0 * c[i]
 
 
-def bandwidth(total_bytes):
+def bandwidth(total_bytes: float) -> float:
     """Bytes per second of a triad whose three arrays have this size together."""
     a, b, c = np.zeros((3, max(int(total_bytes) // 24, 1)))
     loops = max(1, int(2e7 // (24 * a.size)))
@@ -165,7 +171,7 @@ def bandwidth(total_bytes):
     return loops * 24 * a.size / best(work)
 
 
-def member(case_text):
+def member(case_text: str) -> dict:
     """Run one case twice and return its figures, for a process of its own.
 
     The first run is that of the command line, compiled as a whole: its loop is the wall time. The stages of the second
@@ -186,7 +192,7 @@ def member(case_text):
     return figures(timed, wall) | {"memory_mb": memory, "timed_again_s": again}
 
 
-def largest_memory():
+def largest_memory() -> float | None:
     """Largest memory of this process so far, MB; None where the system does not tell (Windows)."""
     if resource is None:
         return None
@@ -194,7 +200,7 @@ def largest_memory():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
 
 
-def loop_time(case):
+def loop_time(case: "Case") -> float:
     """Wall time of the steps of a run with their record, s."""
     job = Job(case)
     start = time.perf_counter()
@@ -203,7 +209,7 @@ def loop_time(case):
     return time.perf_counter() - start
 
 
-def figures(timed, wall):
+def figures(timed: Any, wall: float) -> dict:
     """The row of one case; `wall` is the time of its loop compiled as a whole, s."""
     sizes = {name: mean_over_sweeps(timed, name) for name in ("unknowns", "coefficients_read")}
     sweep_bytes = 8.0 * (2.0 * sizes["unknowns"] + sizes["coefficients_read"])
@@ -231,7 +237,7 @@ def figures(timed, wall):
     }
 
 
-def mean_over_sweeps(timed, name):
+def mean_over_sweeps(timed: Any, name: str) -> float:
     """Mean of what was found at each instant, each for the sweeps that are nearest to it."""
     made = np.array([part["sweeps"] for part in timed.sweep_parts])
     between = 0.5 * (made[1:] + made[:-1])

@@ -1,5 +1,8 @@
 """The report of the benchmark: growth of the cost with refinement, and the table."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 
 GROWTH_FROM = 0.006  # m; the growth of the cost with refinement begins here
@@ -17,12 +20,12 @@ COLUMNS = {  # heading: how the figure of a case is written
 }
 
 
-def growth(rows):
+def growth(rows: list[dict]) -> Any:
     """How the cost of a cell and step grows from 6 mm cells on, per slope and width: fitted exponent, total ratio.
 
     The exponent n is that of cost ~ (1/cell size)^n, by least squares over all sizes that were run.
     """
-    families = {}
+    families: dict = {}
     for row in rows:
         if row["cell_size"] <= GROWTH_FROM:
             families.setdefault(row["name"].rpartition("_")[0], []).append(row)
@@ -40,7 +43,7 @@ def growth(rows):
     return found
 
 
-def table(report):
+def table(report: dict) -> str:
     """The report as aligned plain text."""
     rows = rows_of(report["cases"])
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
@@ -48,7 +51,7 @@ def table(report):
     return "\n".join([*lines, *lines_below(report)])
 
 
-def rows_of(cases):
+def rows_of(cases: list[dict]) -> list:
     """Cells of the table: a heading, and a row for each case."""
     factors = all("cost_factor" in case for case in cases)
     rows = [[*COLUMNS, "cost factor"] if factors else list(COLUMNS)]
@@ -58,7 +61,7 @@ def rows_of(cases):
     return rows
 
 
-def lines_below(report):
+def lines_below(report: dict) -> Iterator[str]:
     """What the report says beside the rows of the cases."""
     if "compilation" in report:
         cold, warm = (report["compilation"][name] for name in ("cold_s", "warm_s"))

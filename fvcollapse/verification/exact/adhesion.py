@@ -1,25 +1,29 @@
 """Adhesive grains on a slope, below a ceiling and behind a vertical cut; p_c is `effects.cohesion.adhesion`, Pa."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.verification.exact.layer import gravity_normal, slope_ratio
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def strength(case):
+
+def strength(case: "Case") -> float:
     """Strength mu_1 p_c of grains without pressure, Pa."""
     return case.rheology.mu_1 * case.effects.cohesion.adhesion
 
 
-def adhesive_thickness(case):
+def adhesive_thickness(case: "Case") -> float:
     """Thickness mu_1 p_c/(rho g cos(a) (tan(a) - mu_1)) of the layer that a slope just does not move, m."""
     weight = case.rheology.density_bulk * gravity_normal(case)
     return strength(case) / (weight * (slope_ratio(case) - case.rheology.mu_1))
 
 
-def adhesive_layer(case, z):
+def adhesive_layer(case: "Case", z: Any) -> Any:
     """Velocity at z, m/s, of a drucker_prager layer: a plug of the above thickness on a sheared layer."""
     law = case.rheology
     sheared = case.geometry.height_0 - adhesive_thickness(case)
@@ -28,13 +32,13 @@ def adhesive_layer(case, z):
     return drive / law.viscosity * (sheared * z - 0.5 * z**2)
 
 
-def hanging_acceleration(case, depth):
+def hanging_acceleration(case: "Case", depth: float) -> float:
     """Acceleration of a layer that hangs from a level ceiling, m/s2: none up to rho g H = p_c, then less by p_c."""
     held = case.effects.cohesion.adhesion / (case.rheology.density_bulk * depth)
     return max(GRAVITY - held, 0.0)
 
 
-def cut_height(case, number):
+def cut_height(case: "Case", number: float) -> float:
     """Height of a vertical cut in a cohesive ground, number c/(rho g) tan(45 deg + phi/2), m.
 
     In plane strain the law is that of Mohr and Coulomb with sin(phi) = mu_1 and c cos(phi) = mu_1 p_c. The number is 2

@@ -1,13 +1,24 @@
 """Boxes and channels full of a Newtonian fluid; tables of the lid-driven cavity."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def taylor_green(x, z, time, viscosity_kinematic, wave_number, speed):
+
+def taylor_green(
+    x: np.ndarray,
+    z: np.ndarray,
+    time: float,
+    viscosity_kinematic: float,
+    wave_number: float,
+    speed: float,
+) -> Any:
     """Vortices in a free-slip box: u = U sin kx cos kz F, w = -U cos kx sin kz F, F = exp(-2 nu k^2 t).
 
     The advection is the gradient of -(U F)^2 (cos 2kx + cos 2kz)/4 and only adds to the pressure;
@@ -21,7 +32,14 @@ def taylor_green(x, z, time, viscosity_kinematic, wave_number, speed):
     )
 
 
-def taylor_green_pressure(x, z, time, viscosity_kinematic, wave_number, speed):
+def taylor_green_pressure(
+    x: np.ndarray,
+    z: np.ndarray,
+    time: float,
+    viscosity_kinematic: float,
+    wave_number: float,
+    speed: float,
+) -> np.ndarray:
     """Its pressure over the density, whose gradient balances the advection: (U F)^2 (cos 2kx + cos 2kz)/4, m2/s2.
 
     Beside the hydrostatic one, and but for a constant.
@@ -31,14 +49,16 @@ def taylor_green_pressure(x, z, time, viscosity_kinematic, wave_number, speed):
     return 0.25 * fade**2 * (np.cos(2 * k * x) + np.cos(2 * k * z))
 
 
-def poiseuille(case, z):
+def poiseuille(case: "Case", z: Any) -> Any:
     """Between two walls that hold the fluid, driven along the bed: u = g sin(a)/(2 nu) z (H - z)."""
     law = case.rheology
     drive = GRAVITY * math.sin(math.radians(case.geometry.slope_angle_deg))
     return drive * law.density_bulk / (2 * law.viscosity) * z * (case.geometry.height_0 - z)
 
 
-def couette_start_up(case, z, time, speed, terms=200):
+def couette_start_up(
+    case: "Case", z: np.ndarray, time: float, speed: float, terms: int = 200
+) -> np.ndarray:
     """Bed set in motion at t = 0 below a lid at rest.
 
     u = U (1 - z/H) - sum_n 2U/(n pi) sin(n pi z/H) exp(-nu (n pi/H)^2 t).

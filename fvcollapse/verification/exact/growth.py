@@ -1,6 +1,7 @@
 """Growth of a small disturbance of a uniform flow."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,8 +11,13 @@ from fvcollapse.verification.exact.layer import (
     slope_ratio,
 )
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def growth_rate(wave, shear_rate, tau, exponent, stress_slope, density):
+
+def growth_rate(
+    wave: Any, shear_rate: Any, tau: Any, exponent: Any, stress_slope: Any, density: float
+) -> Any:
     """Growth rate, 1/s, of a plane disturbance of a simple shear, for short waves.
 
     With the wave vector at angle theta to the flow, x = sin 2 theta, n = d ln tau / d ln shear_rate
@@ -35,7 +41,7 @@ def growth_rate(wave, shear_rate, tau, exponent, stress_slope, density):
     return square * tau / (density * shear_rate) * bracket / (1.0 - stress_slope * x)
 
 
-def growth_rate_bagnold(case, wave, z, depth):
+def growth_rate_bagnold(case: "Case", wave: Any, z: Any, depth: float) -> Any:
     """Growth rate of a plane disturbance at height z of a Bagnold flow; and the shear rate there; 1/s."""
     law = case.rheology
     mu = slope_ratio(case)

@@ -1,6 +1,7 @@
 """Steady uniform flow between two lateral walls."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.integrate import quad
@@ -12,13 +13,16 @@ from fvcollapse.verification.exact.layer import (
     wall_ratio,
 )
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def flowing_depth(case):
+
+def flowing_depth(case: "Case") -> float:
     """h_f = w (T - mu_1)/mu_w, where the walls carry the excess drive; Taberlet et al. (2003)."""
     return (slope_ratio(case) - case.rheology.mu_1) / wall_ratio(case)
 
 
-def chute_drucker_prager(case, z):
+def chute_drucker_prager(case: "Case", z: np.ndarray) -> np.ndarray:
     """Flow between lateral walls: eta du/dz = rho g cos a ((T - mu_1) y - (mu_w/w) y^2), y = H - z.
 
     Momentum above depth y: tau = rho g cos a (T y - (mu_w/w) y^2). At rest below h_f, if the layer
@@ -35,7 +39,7 @@ def chute_drucker_prager(case, z):
     return factor * (integral(bottom) - integral(np.minimum(y, bottom)))
 
 
-def chute_mu_I(case, z):
+def chute_mu_I(case: "Case", z: np.ndarray) -> np.ndarray:
     """mu(I(y)) = T - (mu_w/w) y; u = integral of (I/d) sqrt(phi g cos a y) from the depth of rest.
 
     Jop, Forterre & Pouliquen (2005), J. Fluid Mech. 541, 167, width-averaged.

@@ -1,14 +1,18 @@
 """Collapses in the limit of a long, shallow flow."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.verification.exact.layer import gravity_normal
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def huppert_front(area, viscosity_kinematic, time):
+
+def huppert_front(area: float, viscosity_kinematic: float, time: Any) -> Any:
     """Front of a viscous current on a level bed that holds it: x_N = 1.411 (g q^3/(3 nu))^(1/5) t^(1/5).
 
     q is the area in x > 0. Asymptote for t -> infinity, whatever the start. Huppert (1982), J. Fluid
@@ -17,7 +21,7 @@ def huppert_front(area, viscosity_kinematic, time):
     return 1.411 * (GRAVITY * area**3 / (3 * viscosity_kinematic) * time) ** 0.2
 
 
-def huppert_depth(area, front, x):
+def huppert_depth(area: float, front: Any, x: Any) -> Any:
     """Its depth: h = (q/x_N) (1 - (x/x_N)^2)^(1/3) / B, B = integral over [0, 1] = 0.8413.
 
     The shape solves h_t = g/(3 nu) (h^3 h_x)_x; B = sqrt(pi)/2 Gamma(4/3)/Gamma(11/6).
@@ -26,7 +30,7 @@ def huppert_depth(area, front, x):
     return area / front / mean * np.maximum(1 - (np.asarray(x) / front) ** 2, 0.0) ** (1 / 3)
 
 
-def dam_break_depth(case, x, time):
+def dam_break_depth(case: "Case", x: Any, time: float) -> Any:
     """Depth of an inviscid, frictionless layer released at x = length_0; shallow-water theory.
 
     In the frame that falls with g sin a the bed is level: h = (2 c - s)^2/(9 g cos a) for -c < s <

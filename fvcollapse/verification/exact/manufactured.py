@@ -1,14 +1,19 @@
 """Manufactured solutions: a flow is prescribed, and the force that drives it follows."""
 
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.verification.exact.layer import wall_ratio
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def viscosity(case, shear_rate, pressure):
+
+def viscosity(case: "Case", shear_rate: Any, pressure: Any) -> Any:
     """Eta, Pa s: constant, or mu_1 p/sqrt(gd^2 + gd_min^2) + viscosity of the Drucker-Prager law."""
     law, rate_min = case.rheology, case.numerics.shear_rate_min
     if law.law == "newtonian":
@@ -16,7 +21,7 @@ def viscosity(case, shear_rate, pressure):
     return law.mu_1 * pressure / np.sqrt(shear_rate**2 + rate_min**2) + law.viscosity
 
 
-def manufactured_force(case, flow, x, z, time):
+def manufactured_force(case: "Case", flow: Callable, x: Any, z: Any, time: float) -> Any:
     """Acceleration that makes `flow` a solution: u_t + div(u u + (p I - 2 eta D)/rho) - g, and what the walls take.
 
     Lateral walls, if the case has them, brake with (2 mu_w/w) p u/sqrt(|u|^2 + u_min^2)/rho, where
@@ -61,7 +66,7 @@ def manufactured_force(case, flow, x, z, time):
     )
 
 
-def manufactured_box(x, z, time=0.0):
+def manufactured_box(x: Any, z: Any, time: float = 0.0) -> Any:
     """Flow in the unit box with free slip: stream function 0.1 sin kx sin 2kz, k = pi, and p > 0.
 
     Shear and extension are both present (the Taylor-Green flow has no shear). Returns u, w, p, u_x,
@@ -79,7 +84,7 @@ def manufactured_box(x, z, time=0.0):
     )
 
 
-def manufactured_gyres(x, z, time=0.0):
+def manufactured_gyres(x: Any, z: Any, time: float = 0.0) -> Any:
     """Two gyres that swing in the unit box with free slip, once in 2 pi/3 s; at most about 1 m/s.
 
     Stream function 0.3 (cos(3t) sin kx + sin(3t) sin 2kx) sin kz, k = pi. Its two parts have
@@ -103,12 +108,12 @@ def manufactured_gyres(x, z, time=0.0):
     )
 
 
-def manufactured_surface(x):
+def manufactured_surface(x: Any) -> Any:
     """Height of a curved free surface in the unit box, m; level at both walls."""
     return 0.6 + 0.1 * np.cos(math.pi * x)
 
 
-def manufactured_below_surface(x, z, time=0.0):
+def manufactured_below_surface(x: Any, z: Any, time: float = 0.0) -> Any:
     """Flow in the unit box below a curved free surface at rest, free slip on bed and walls.
 
     Stream function a sin(kx) (z y)^3 with the depth y below the surface: velocity, strain rate and

@@ -10,6 +10,8 @@ a larger one leaves a larger one at the bed.
 """
 
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -17,10 +19,14 @@ from scipy.optimize import brentq
 
 from fvcollapse.verification.exact.layer import gravity_normal, slope_ratio, wall_ratio
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 ACCURACY = 1e-8
 
 
-def shear_stress(case, shear_rate, pressure):
+def shear_stress(case: "Case", shear_rate: Any, pressure: Any) -> Any:
     """Tau of the regularised Drucker-Prager or mu(I) law, Pa."""
     law, rate_min = case.rheology, case.numerics.shear_rate_min
     tau = law.mu_1 * pressure * shear_rate / math.hypot(shear_rate, rate_min)
@@ -30,7 +36,7 @@ def shear_stress(case, shear_rate, pressure):
     return tau + (law.mu_2 - law.mu_1) * pressure * shear_rate / (shear_rate + scale)
 
 
-def shear_rate_at(case, tau, pressure):
+def shear_rate_at(case: "Case", tau: Any, pressure: Any) -> Any:
     """Its inverse, 1/s; odd in tau."""
     if tau == 0.0 or pressure <= 0.0:
         return 0.0
@@ -49,7 +55,7 @@ def shear_rate_at(case, tau, pressure):
     return math.copysign(found, tau)
 
 
-def chute_regularised(case):
+def chute_regularised(case: "Case") -> Callable:
     """The function u(z) of the regularised chute, m/s; to 1e-7 of the velocity of the surface."""
     depth = case.geometry.height_0
 

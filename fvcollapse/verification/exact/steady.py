@@ -1,6 +1,7 @@
 """Steady uniform flow of a layer on a bed that holds it, or carries it; creep below yield."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,8 +12,11 @@ from fvcollapse.verification.exact.layer import (
     slope_ratio,
 )
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def bagnold(case, z):
+
+def bagnold(case: "Case", z: Any) -> Any:
     """Bagnold flow of mu(I): u = (2/3) (I_a/d) sqrt(phi g cos a) (H^1.5 - (H - z)^1.5).
 
     mu(I) = T everywhere, so I = I_a = I_0 (T - mu_1)/(mu_2 - T) is constant, and du/dz = I
@@ -28,7 +32,7 @@ def bagnold(case, z):
     return factor * (depth**1.5 - np.maximum(depth - z, 0.0) ** 1.5)
 
 
-def incline_drucker_prager(case, z):
+def incline_drucker_prager(case: "Case", z: Any) -> Any:
     """Inclined layer above yield: u = (rho g cos a/eta) (T - mu_1) (H z - z^2/2).
 
     tau = mu_1 p + eta du/dz = T p is integrated from the bed; zero for T <= mu_1. mu_1 = 0: the
@@ -39,7 +43,7 @@ def incline_drucker_prager(case, z):
     return parabola(case, z, law.density_bulk * gravity_normal(case) * excess / law.viscosity)
 
 
-def film_newtonian(case, z):
+def film_newtonian(case: "Case", z: Any) -> Any:
     """Nusselt film, one half of a plane Poiseuille flow: u = (rho g sin a/eta) (H z - z^2/2)."""
     law = case.rheology
     return parabola(
@@ -47,7 +51,7 @@ def film_newtonian(case, z):
     )
 
 
-def film_bingham(case, z):
+def film_bingham(case: "Case", z: Any) -> Any:
     """Sheared below, a plug of thickness tau_y/(rho g sin a) on top: half a plane Poiseuille flow.
 
     eta du/dz = rho g sin a (H - z) - tau_y where that is positive; Bird, Dai & Yarusso (1983), Rev.
@@ -60,7 +64,7 @@ def film_bingham(case, z):
     return drive / law.viscosity * (sheared * height - 0.5 * height**2)
 
 
-def film_imposed_bed_stress(case, z):
+def film_imposed_bed_stress(case: "Case", z: Any) -> Any:
     """Newtonian film on a sliding bed: u - u(0) = (mu_b rho g cos a/eta) (H z - z^2/2).
 
     The bed gives tau(0) = mu_b p(0) whatever the speed; tau(H) = 0. The film gains g cos(a) (T -
@@ -71,7 +75,7 @@ def film_imposed_bed_stress(case, z):
     return parabola(case, z, curvature)
 
 
-def creep(case, z):
+def creep(case: "Case", z: Any) -> Any:
     """Creep of a layer below yield on a bed that holds it: u = z gd, gd = gd_min r/sqrt(1 - r^2).
 
     r = T/mu_1: mu_1 p gd/sqrt(gd^2 + gd_min^2) = T p has the same gd at every depth. An upper bound

@@ -1,16 +1,18 @@
 """Surfaces and the velocities that carry them."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 
-def disc(x, z, x_centre, z_centre, radius):
+def disc(x: Any, z: Any, x_centre: float, z_centre: float, radius: float) -> Any:
     """Signed distance to a circle, negative inside; m."""
     return np.hypot(x - x_centre, z - z_centre) - radius
 
 
-def slotted_disc(x, z):
+def slotted_disc(x: Any, z: Any) -> Any:
     """Zalesak's disc in the unit square: radius 0.15 at (0.5, 0.75), slot 0.05 wide, 0.25 high.
 
     Signed distance. Zalesak (1979), J. Comput. Phys. 31, 335 (there in units of a hundredth).
@@ -36,12 +38,12 @@ def slotted_disc(x, z):
     return np.where(inside, -depth, away)
 
 
-def rotation(x, z, time):
+def rotation(x: Any, z: Any, time: float) -> Any:
     """Solid-body rotation about the middle of the unit square, one turn per second; (u, w), m/s."""
     return 2 * math.pi * (0.5 - z), 2 * math.pi * (x - 0.5)
 
 
-def single_vortex(period):
+def single_vortex(period: float) -> Callable:
     """Velocity (x, z, time) -> (u, w) that stretches a disc into a spiral and back within `period`.
 
     Stream function sin^2(pi x) sin^2(pi z)/pi times cos(pi t/period); LeVeque (1996), SIAM J.

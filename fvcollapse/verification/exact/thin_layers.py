@@ -1,12 +1,16 @@
 """Thickness below which a uniform layer on a rough bed stops, by both closures of `thin_layer`."""
 
 import math
+from typing import TYPE_CHECKING
 
 from fvcollapse.step.thin_layer import thin_layer_law
 from fvcollapse.verification.exact.layer import slope_ratio
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def stopping_thickness(case):
+
+def stopping_thickness(case: "Case") -> float:
     """Thickness h at which mu_stop(h) = tan(slope), m.
 
     `thickness`: mu_stop = mu_1 + (mu_2 - mu_1)/(1 + h/L), Pouliquen & Forterre (2002). `nonlocal`: the fluidity g of a

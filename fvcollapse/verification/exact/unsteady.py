@@ -1,6 +1,8 @@
 """Uniform flow in time: starting, stopping from the bed upwards, sliding as a block."""
 
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -12,8 +14,11 @@ from fvcollapse.verification.exact.layer import (
     wall_ratio,
 )
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
-def incline_start_up(case, z, time, terms=200):
+
+def incline_start_up(case: "Case", z: Any, time: float, terms: int = 200) -> Any:
     """Drucker-Prager layer (T > mu_1) from rest: the steady parabola less decaying modes.
 
     u_t = A + nu u_zz with A = g cos a (T - mu_1), nu = eta/rho, u(0) = 0, u_z(H) = 0, since du/dz >
@@ -28,7 +33,7 @@ def incline_start_up(case, z, time, terms=200):
     return parabola(case, z, drive / nu) - np.sin(np.outer(z, k)) @ modes
 
 
-def stopping_inviscid(case, u_0, z, time):
+def stopping_inviscid(case: "Case", u_0: Callable, z: Any, time: Any) -> Any:
     """Layer below yield (T < mu_1) without viscosity: u = max(0, u_0(z) - S t), u_0 rising with z.
 
     Where the layer moves tau = mu_1 p, so every depth loses S = g cos a (mu_1 - T + 2 (mu_w/w) y)
@@ -40,7 +45,9 @@ def stopping_inviscid(case, u_0, z, time):
     return np.maximum(0.0, u_0 - gravity_normal(case) * loss * time)
 
 
-def stopping_viscous(case, u_0, z, time, cells=400, steps=800):
+def stopping_viscous(
+    case: "Case", u_0: Callable, z: Any, time: Any, cells: int = 400, steps: int = 800
+) -> Any:
     """Drucker-Prager layer below yield that stops from the bed upwards; u_0(z) rising, flat at H.
 
     Where the layer moves tau = mu_1 p + eta u_z, so u_t = -S + nu u_zz with S = g cos a (mu_1 - T + 2
@@ -90,13 +97,13 @@ def _above(band, resting, diffusion):
     return part
 
 
-def block_acceleration(case, depth=None):
+def block_acceleration(case: "Case", depth: float | None = None) -> float:
     """A rigid block that slides down: g cos a (T - mu_b - (mu_w/w) H), m/s2."""
     depth = case.geometry.height_0 if depth is None else depth
     loss = case.boundary.mu_bed + wall_ratio(case) * depth
     return gravity_normal(case) * (slope_ratio(case) - loss)
 
 
-def block_speed(case, u_0, time):
+def block_speed(case: "Case", u_0: float, time: Any) -> Any:
     """A rigid block, braked (acceleration < 0): stops at u_0/|a| and stays, max(0, u_0 + a t)."""
     return max(0.0, u_0 + block_acceleration(case) * time)

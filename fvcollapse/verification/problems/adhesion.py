@@ -1,6 +1,7 @@
 """Adhesive grains: a layer on a slope, a layer that hangs from a ceiling, and a vertical cut."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ CUT_HALVINGS = 6
 MOVES = 0.05  # m/s, a twentieth of sqrt(g H)
 
 
-def adhesive_case(cells, thickness, depth, **changes):
+def adhesive_case(cells: int, thickness: float, depth: float, **changes: Any) -> Case:
     """Case of a layer whose critical thickness is `thickness` (m), on cells of depth/cells."""
     case = layer_case(depth / cells, depth, **LAYER, **changes)
     trial = case.replace(**{"effects.cohesion": {"adhesion": 1.0}})
@@ -56,7 +57,7 @@ def adhesive_case(cells, thickness, depth, **changes):
     return case.replace(**{"effects.cohesion": {"adhesion": adhesion}})
 
 
-def layer_errors(cells):
+def layer_errors(cells: int) -> np.ndarray:
     """Velocity of an adhesive layer, relative to that of its plug."""
     case = adhesive_case(cells, PLUG * DEPTH, DEPTH)
     flow = run_until_steady(layer(case, lambda z: exact.adhesive_layer(case, z), dt=10.0))
@@ -64,7 +65,7 @@ def layer_errors(cells):
     return (u - exact.adhesive_layer(case, z)) / exact.adhesive_layer(case, DEPTH)
 
 
-def stopping_errors(cells):
+def stopping_errors(cells: int) -> np.ndarray:
     """Least thickness of a layer that moves, over the critical one, less 1; a cell is 1/cells of it."""
     case = adhesive_case(round(ROOM * cells), DEPTH, ROOM * DEPTH)
     low, high = 0.5, ROOM
@@ -88,7 +89,7 @@ class HangingLayer(UniformFlow):
         self.constants = self.constants._replace(balance=balance)
 
 
-def hanging(cells, weight):
+def hanging(cells: int, weight: float) -> Any:
     """A layer of rho g H = `weight` times p_c that has hung for a step of 1 ms, and its depth, m. It cuts a cell."""
     depth = HANGING * (1.0 - CUT_OFF / cells)
     changes = {"geometry__slope_angle_deg": 0.0, "boundary__mu_bed": math.inf}
@@ -100,7 +101,7 @@ def hanging(cells, weight):
     return flow, depth
 
 
-def tension_errors(cells):
+def tension_errors(cells: int) -> np.ndarray:
     """Pressure -rho g (H - z) of a layer that holds, at the centres of mass, relative to that at the ceiling."""
     flow, depth = hanging(cells, HELD)
     filled = flow.geometry.filled[HALO]
@@ -111,14 +112,14 @@ def tension_errors(cells):
     return (p[wet] + weight * (depth - middle[wet])) / (weight * depth)
 
 
-def falling_errors(cells):
+def falling_errors(cells: int) -> np.ndarray:
     """Acceleration of a layer that tears off, less that of the whole mass, relative to g; half a cell stays behind."""
     flow, depth = hanging(cells, TORN)
     w = flow.state.w[HALO, 1 : cells + 1]
     return (w / 1e-3 - exact.hanging_acceleration(flow.case, depth)) / GRAVITY
 
 
-def cut_errors(cells):
+def cut_errors(cells: int) -> np.ndarray:
     """Stability number rho g H/c tan(45 deg - phi/2) at which a vertical cut fails, over 3.78, less 1."""
     low, high = NUMBERS
     for _ in range(CUT_HALVINGS):
@@ -130,7 +131,7 @@ def cut_errors(cells):
     return np.array([0.5 * (low + high) / 3.78 - 1.0])
 
 
-def stands(cells, number):
+def stands(cells: int, number: float) -> bool:
     """Whether a column twice as long as high, of this stability number, stands when its gate is gone."""
     case = Case().replace(
         **{

@@ -1,7 +1,9 @@
 """Boxes and channels full of fluid: inertia, viscosity and pressure without a surface."""
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,23 +18,23 @@ DENSITY = 1000.0  # kg/m3
 NO_SLIP = {"boundary__mu_bed": math.inf, "boundary__mu_back_wall": math.inf}
 
 
-def hydrostatic(x, z):
+def hydrostatic(x: Any, z: Any) -> Any:
     """Pressure at rest below a lid at z = 1 m, Pa."""
     return DENSITY * GRAVITY * (1.0 - z)
 
 
-def at_rest(x, z):
+def at_rest(x: Any, z: Any) -> Any:
     """No velocity."""
     return 0.0 * x, 0.0 * z
 
 
-def velocity_errors(box, u, w):
+def velocity_errors(box: Any, u: Any, w: Any) -> np.ndarray:
     """Errors of u and w on all faces of the fluid, for the exact fields on all faces."""
     inside_u, inside_w, _ = box.inside()
     return np.concatenate([(box.state.u - u)[inside_u], (box.state.w - w)[inside_w]])
 
 
-def pressure_errors(box, p):
+def pressure_errors(box: Any, p: np.ndarray) -> np.ndarray:
     """Errors of the pressure in all cells of the fluid, but for a constant, which a closed box leaves open; Pa."""
     inside = box.inside()[2]
     error = (box.state.pressure_filled - p)[inside]
@@ -40,7 +42,7 @@ def pressure_errors(box, p):
 
 
 @lru_cache
-def taylor_green(cells):
+def taylor_green(cells: int) -> Any:
     """Vortices that fade to 1/1.2; time step proportional to the cell size squared.
 
     Returns
@@ -69,7 +71,7 @@ def taylor_green(cells):
 # -- walls -------------------------------------------------------------------------------------
 
 
-def poiseuille_errors(cells):
+def poiseuille_errors(cells: int) -> np.ndarray:
     """Flow down a slope between a bed and a lid that hold it, relative to the middle."""
     case = channel_case(
         cells,
@@ -90,7 +92,7 @@ def poiseuille_errors(cells):
     return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside] / exact.poiseuille(case, 0.05)
 
 
-def poiseuille_bingham_errors(cells):
+def poiseuille_bingham_errors(cells: int) -> np.ndarray:
     """One half of a Bingham Poiseuille flow, whose plane of symmetry is a lid that lets slip."""
     case = channel_case(
         cells,
@@ -111,7 +113,7 @@ def poiseuille_bingham_errors(cells):
     return (box.state.u - velocity(box.x_u, box.z_u)[0])[inside] / exact.film_bingham(case, 0.1)
 
 
-def couette_errors(cells):
+def couette_errors(cells: int) -> np.ndarray:
     """Channel at rest whose bed starts to move; time step proportional to the cell size squared."""
     case = channel_case(cells, 0.1, rheology__viscosity=10.0, boundary__mu_bed=math.inf)
     h, nu = case.grid.cell_size, 0.01
@@ -130,7 +132,7 @@ def couette_errors(cells):
 
 
 @lru_cache
-def cavity(cells):
+def cavity(cells: int) -> Any:
     """Steady flow in a unit box, Re = 100, whose bed moves; velocities through the middle.
 
     The predictor makes the steady state depend on the time step to first order, so the step is
@@ -156,7 +158,7 @@ def cavity(cells):
     )
 
 
-def cavity_errors(points_u, points_v):
+def cavity_errors(points_u: Any, points_v: Any) -> Callable:
     """Velocities through the middle of the cavity at the points (distance, value) of a table."""
 
     def errors(cells):
@@ -171,14 +173,14 @@ def cavity_errors(points_u, points_v):
     return errors
 
 
-def between(distance, values, points, far_wall):
+def between(distance: np.ndarray, values: np.ndarray, points: Any, far_wall: float) -> np.ndarray:
     """Cubic interpolation of values at the cell centres, 0 at the near wall, `far_wall` at 1."""
     return CubicSpline(
         np.concatenate([[0.0], distance, [1.0]]), np.concatenate([[0.0], values, [far_wall]])
     )(points)
 
 
-def sixteenths(values):
+def sixteenths(values: Any) -> Any:
     """A table at 1/16, 2/16, ..., 15/16."""
     return np.column_stack([np.arange(1, 16) / 16, values])
 

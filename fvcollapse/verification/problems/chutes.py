@@ -1,6 +1,8 @@
 """Steady flow between lateral walls with friction; the error is split into grid and regularisation."""
 
+from collections.abc import Callable
 from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,6 +10,10 @@ from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import layer, layer_case, run_until_steady
 from fvcollapse.verification.problem import Problem
 from fvcollapse.verification.problems.steady import DEPTH, GLASS, SLOPE, steady_errors
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
 
 WALLS = {"geometry__channel_width": 0.10, "effects__lateral_friction": {}}
 LAWS = {  # exact solution, and what the case changes
@@ -28,7 +34,7 @@ DEEP = {"drucker_prager": 0.06, "mu_I": 0.08}  # m; at rest below 0.048 and 0.06
 FLOWING = 0.05  # shear rate at which the flowing depth is compared, in units of the largest
 
 
-def shallow_errors(law):
+def shallow_errors(law: str) -> Callable:
     """A layer that flows down to the bed."""
     solution, changes = LAWS[law]
     return steady_errors(solution, DEPTH, **changes)
@@ -38,7 +44,7 @@ def shallow_errors(law):
 
 
 @lru_cache
-def deep_chute(law, cells):
+def deep_chute(law: str, cells: int) -> Any:
     """The case of a deep layer, heights (m) and steady velocity (m/s)."""
     solution, changes = LAWS[law]
     case = layer_case(DEEP[law] / cells, DEEP[law], **changes)
@@ -47,17 +53,17 @@ def deep_chute(law, cells):
 
 
 @cache
-def regularised(law):
+def regularised(law: str) -> Any:
     """The regularised profile u(z), m/s: it does not depend on the grid."""
     return exact.chute_regularised(deep_chute(law, 8)[0])
 
 
-def surface_velocity(law, case):
+def surface_velocity(law: str, case: "Case") -> float:
     """Exact velocity of the surface, the scale of the errors, m/s."""
     return LAWS[law][0](case, np.array([DEEP[law]]))[0]
 
 
-def deep_errors(law):
+def deep_errors(law: str) -> Callable:
     """All of the error: against the rigid-plastic law."""
 
     def errors(cells):
@@ -67,7 +73,7 @@ def deep_errors(law):
     return errors
 
 
-def grid_errors(law):
+def grid_errors(law: str) -> Callable:
     """The part of the grid: against the same law regularised as in the solver."""
 
     def errors(cells):
@@ -77,7 +83,7 @@ def grid_errors(law):
     return errors
 
 
-def regularisation_errors(law):
+def regularisation_errors(law: str) -> Callable:
     """The part of the regularisation, by the two exact solutions at the centres of the cells."""
 
     def errors(cells):
@@ -87,7 +93,7 @@ def regularisation_errors(law):
     return errors
 
 
-def flowing_depth_errors(law):
+def flowing_depth_errors(law: str) -> Callable:
     """Depth where the shear rate has fallen to `FLOWING` of its largest, relative to w (T - mu_1)/mu_w.
 
     The exact shear rate vanishes at that depth, the regularised one nowhere.
@@ -107,7 +113,7 @@ def flowing_depth_errors(law):
     return errors
 
 
-def height_of_shear_rate(z, u, level):
+def height_of_shear_rate(z: np.ndarray, u: np.ndarray, level: float) -> float:
     """Height at which the shear rate first exceeds `level`, m."""
     shear_rate, middle = np.diff(u) / np.diff(z), 0.5 * (z[1:] + z[:-1])
     first = np.argmax(shear_rate > level)
@@ -115,7 +121,7 @@ def height_of_shear_rate(z, u, level):
     return np.interp(level, shear_rate[part], middle[part])
 
 
-def problems(law, tolerances):
+def problems(law: str, tolerances: Any) -> Any:
     """The problems of one law; the last tolerances are of the whole error, grid, rest, and depth."""
     whole, grid, rest, depth = tolerances
     name, term, grids = f"chute_{law}", terms.LATERAL_WALLS, (8, 16, 32, 64)

@@ -1,6 +1,8 @@
 """Collapses of a Newtonian column, against the limits of a long, shallow flow."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +18,7 @@ SLUMP_LENGTH = 3.0  # column heights: the slump is compared when its front shoul
 FAN_TIME = {0.0: 4.0, 20.0: 3.0}  # s sqrt(g/H); slope in degrees: when a dam break is compared
 
 
-def column_case(cells, length, **changes):
+def column_case(cells: int, length: float, **changes: Any) -> Case:
     """Case of a Newtonian column, 1 m high, released at once; the back wall lets it slip."""
     keys = {
         "grid.cell_size": 1.0 / cells,
@@ -35,12 +37,12 @@ def column_case(cells, length, **changes):
     return Case().replace(**keys)
 
 
-def depths(simulation):
+def depths(simulation: Simulation) -> Any:
     """Abscissae and depths at the nodes, m."""
     return simulation.grid.x_nodes, thickness(simulation.state.level_set, simulation.spacing[1])
 
 
-def slump_errors(cells):
+def slump_errors(cells: int) -> np.ndarray:
     """Front (where 0.05 m thick), depth at the back wall and L1 of the profile of a viscous slump."""
     nu = 0.5
     case = column_case(cells, 1.0, boundary__mu_bed=math.inf, rheology__viscosity=nu * DENSITY)
@@ -61,7 +63,7 @@ def slump_errors(cells):
     )
 
 
-def dam_break_errors(slope):
+def dam_break_errors(slope: float) -> Callable:
     """L1 of the profile, depth at the dam and two fronts of an inviscid column on a free-slip bed.
 
     Relative to what has the size of the fan itself: its depth, its length 3 c t. Behind the fan on

@@ -7,6 +7,8 @@ grains make the rate of the packet large against that of the shear, which the th
 """
 
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +17,10 @@ from fvcollapse.verification import exact, terms
 from fvcollapse.verification.flows import layer, layer_case, run_until
 from fvcollapse.verification.problem import Problem
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 DEPTH = 0.12  # m
 WAVELENGTH = DEPTH / 6.0  # normal to the bed
 ORIENTATION = 0.2  # sine of twice the angle between wave vector and bed: about the fastest
@@ -22,7 +28,7 @@ ASPECT = 4.0  # cells are longer than high, as the wave is
 STEP = 0.04  # of the e-folding time
 
 
-def growth_case(slope_angle_deg, cells, wave):
+def growth_case(slope_angle_deg: float, cells: int, wave: Any) -> "Case":
     """A steady layer on `cells` per wavelength, one wavelength long."""
     height = WAVELENGTH / cells
     length = 2.0 * math.pi / wave[0]
@@ -55,7 +61,7 @@ class Packet:
         self.flow.state.w -= np.diff(stream, axis=0) / grid.dx
         self.flow.state.w[:, 0] = 0.0
 
-    def amplitude(self, time, shear_rate):
+    def amplitude(self, time: float, shear_rate: float) -> Any:
         """Amplitude of the packet at `time`, its wave vector turned by the shear."""
         for flow in (self.start, self.flow):
             run_until(flow, time)
@@ -66,12 +72,12 @@ class Packet:
         return abs((difference * wave * envelope(self.z)).sum())
 
 
-def envelope(z):
+def envelope(z: Any) -> Any:
     """Gaussian about mid depth, one wavelength wide."""
     return np.exp(-0.5 * ((z - 0.5 * DEPTH) / WAVELENGTH) ** 2)
 
 
-def growth_errors(slope_angle_deg):
+def growth_errors(slope_angle_deg: float) -> Callable:
     """Measured growth rate over the theoretical one, less 1, on a number of cells per wavelength."""
 
     def errors(cells):

@@ -1,6 +1,8 @@
 """Manufactured solutions: a flow is prescribed, and the force that drives it is applied."""
 
+from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,7 @@ RUBBING = {"geometry__channel_width": 0.5, "effects__lateral_friction": {"mu_wal
 
 
 @lru_cache
-def manufactured(flow, cells, surface=None, walls=False):
+def manufactured(flow: Callable, cells: int, surface: Any = None, walls: Any = False) -> Any:
     """A manufactured flow of a Drucker-Prager fluid, run until the discrete one is steady.
 
     With `walls` lateral friction brakes it, in every direction, about as much as gravity would.
@@ -25,13 +27,14 @@ def manufactured(flow, cells, surface=None, walls=False):
     velocity, pressure : 1-D arrays
         Errors, relative to the largest of the exact solution.
     """
+    rubbing: dict[str, Any] = RUBBING if walls else {}
     case = box_case(
         cells,
         rheology__law="drucker_prager",
         rheology__mu_1=0.3,
         rheology__viscosity=200.0,
         numerics__shear_rate_min=1.0,
-        **(RUBBING if walls else {}),
+        **rubbing,
     )
     box = Box(
         case,
@@ -52,17 +55,17 @@ def manufactured(flow, cells, surface=None, walls=False):
     )
 
 
-def manufactured_errors(part):
+def manufactured_errors(part: int) -> Callable:
     """Errors of velocity (0) or pressure (1) in the full box."""
     return lambda cells: manufactured(exact.manufactured_box, cells)[part]
 
 
-def curved(x, z):
+def curved(x: Any, z: Any) -> Any:
     """Level set of the curved surface, m."""
     return z - exact.manufactured_surface(x)
 
 
-def manufactured_surface_errors(part):
+def manufactured_surface_errors(part: int) -> Callable:
     """The same below a curved free surface."""
     return lambda cells: manufactured(exact.manufactured_below_surface, cells, curved)[part]
 
@@ -71,7 +74,7 @@ def manufactured_surface_errors(part):
 
 
 @lru_cache
-def gyres(cells, refined):
+def gyres(cells: int, refined: Any) -> Any:
     """Two swinging gyres of a nearly inviscid fluid; cell Reynolds number 1250 to 200.
 
     In space the advection is of second order: third-order reconstruction, but the mass fluxes

@@ -1,7 +1,9 @@
 """Uniform flows in time: starting, sliding on the bed and between walls, stopping, creeping."""
 
 import math
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ REGULARISATION = "regularisation: shear_rate_min and the slip speed of the walls
 WALLS = {"geometry__channel_width": 0.10, "effects__lateral_friction": {}}
 
 
-def imposed_bed_stress_errors(cells):
+def imposed_bed_stress_errors(cells: int) -> np.ndarray:
     """Newtonian film that slides steadily on a Coulomb bed with mu_b = tan(slope)."""
     slope = 20.0
     case = layer_case(
@@ -33,7 +35,7 @@ def imposed_bed_stress_errors(cells):
     return (u - profile - 2.0) / (2.0 + mean)
 
 
-def slip_errors(**law):
+def slip_errors(**law: Any) -> Callable:
     """Gain of mean velocity of a sheared layer that slides, mu_b = mu_1 < tan(slope)."""
 
     def errors(cells):
@@ -53,7 +55,7 @@ def slip_errors(**law):
     return errors
 
 
-def block_errors(walls):
+def block_errors(walls: bool) -> Callable:
     """A rigid block, braked: speed before, at and after the stop, relative to the start."""
 
     def errors(cells):
@@ -76,7 +78,7 @@ def block_errors(walls):
     return errors
 
 
-def split_errors(cells):
+def split_errors(cells: int) -> np.ndarray:
     """A rigid layer braked by the walls alone: implicit friction less the exact split form, to beyond the stop."""
     speeds = []
     for scheme in ("implicit", "split"):
@@ -96,10 +98,10 @@ def split_errors(cells):
         speeds.append(
             [run_until(flow, part * stop).mean_velocity() for part in (0.3, 0.6, 0.9, 1.2)]
         )
-    return np.subtract(*speeds) / 0.2
+    return np.subtract(speeds[0], speeds[1]) / 0.2
 
 
-def start_up_errors(cells):
+def start_up_errors(cells: int) -> np.ndarray:
     """Drucker-Prager layer from rest at t = 0.1 s; dt proportional to the cell size squared."""
     case = layer_case(
         DEPTH / cells,
@@ -148,18 +150,18 @@ class Stopping:
         self.stop = START / loss  # of the surface, without walls and viscosity
         self.viscous = viscosity > 0.0
 
-    def start(self, z):
+    def start(self, z: Any) -> Any:
         """Velocity at the start, m/s."""
         part = z / DEPTH
         return START * ((2.0 - part) * part if self.viscous else part)
 
-    def computed(self, parts):
+    def computed(self, parts: Any) -> Any:
         """(z, u) of the solver at parts of the time to the stop, m and m/s."""
         steps = 400 if self.viscous else 100  # of first order, but exact without viscosity
         flow = layer(self.case, self.start, dt=self.stop / steps)
         return [run_until(flow, part * self.stop).profile() for part in parts]
 
-    def exact(self, z, part):
+    def exact(self, z: Any, part: float) -> Any:
         """Exact velocity at one of them, m/s."""
         time = part * self.stop
         if self.viscous:
@@ -168,13 +170,13 @@ class Stopping:
 
 
 @cache
-def stopping_exactly(viscosity, walls, part):
+def stopping_exactly(viscosity: float, walls: bool, part: float) -> Any:
     """(z, u) of the exact solution on points of its own: it does not depend on the grid."""
     z = np.linspace(0.0, DEPTH, 1601)
     return z, Stopping(8, viscosity, walls).exact(z, part)
 
 
-def stopping_profile_errors(viscosity, walls):
+def stopping_profile_errors(viscosity: float, walls: bool) -> Callable:
     """Velocity half-way to the stop, relative to the surface at the start."""
 
     def errors(cells):
@@ -184,7 +186,7 @@ def stopping_profile_errors(viscosity, walls):
     return errors
 
 
-def stopping_interface_errors(viscosity, walls):
+def stopping_interface_errors(viscosity: float, walls: bool) -> Callable:
     """Height of the static-flowing interface at three times, relative to the depth."""
     parts, level = (0.2, 0.4, 0.6), INTERFACE * START
 
@@ -197,7 +199,9 @@ def stopping_interface_errors(viscosity, walls):
     return errors
 
 
-def stopping_problems(name, viscosity, walls, term, profile, interface):
+def stopping_problems(
+    name: str, viscosity: float, walls: bool, term: Any, profile: Any, interface: Any
+) -> Any:
     """Velocity and interface of a stopping layer, with their tolerances."""
     problems = (
         (name, stopping_profile_errors(viscosity, walls), profile),
@@ -209,7 +213,7 @@ def stopping_problems(name, viscosity, walls, term, profile, interface):
     )
 
 
-def creep_errors(cells):
+def creep_errors(cells: int) -> np.ndarray:
     """Creep of a layer of 0.14 m at 0.9 arctan(mu_1), relative to formula 3.8 at its surface."""
     slope = 0.9 * math.degrees(math.atan(0.48))
     case = layer_case(

@@ -1,6 +1,8 @@
 """Steady uniform flow of a layer on a bed that holds it."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,7 @@ SLOPE = {"geometry__slope_angle_deg": 24.0, "boundary__mu_bed": math.inf}
 GLASS = {"rheology__mu_1": 0.38, "rheology__mu_2": 0.64}
 
 
-def steady_errors(solution, depth=DEPTH, **changes):
+def steady_errors(solution: Callable, depth: float = DEPTH, **changes: Any) -> Callable:
     """Errors of a steady layer on a bed that holds it, as a function of the cells per depth."""
 
     def errors(cells):
@@ -26,14 +28,14 @@ def steady_errors(solution, depth=DEPTH, **changes):
     return errors
 
 
-def bagnold_errors(slope_angle_deg):
+def bagnold_errors(slope_angle_deg: float) -> Callable:
     """Bagnold flow of glass beads."""
     return steady_errors(
         exact.bagnold, **{**SLOPE, **GLASS, "geometry__slope_angle_deg": slope_angle_deg}
     )
 
 
-def bagnold_gerris_errors(cells):
+def bagnold_gerris_errors(cells: int) -> np.ndarray:
     """The Bagnold flow that Gerris ships, in its units (H = g = rho = 1): absolute errors."""
     unit = math.sqrt(GRAVITY)
     case = layer_case(

@@ -1,7 +1,9 @@
 """The free surface: carried by a given velocity, and at rest at an angle to the grid."""
 
 import math
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from fvcollapse.verification.problem import Problem
 # -- at rest, surface at an angle to the grid --------------------------------------------------
 
 
-def tilted_box_errors(cells):
+def tilted_box_errors(cells: int) -> np.ndarray:
     """Bed pressure of a box tilted by 22 degrees, relative to rho g depth; and the speed in m/s."""
     case = Case().replace(
         **{
@@ -30,7 +32,7 @@ def tilted_box_errors(cells):
     return np.append(pressure / expected - 1.0, simulation.max_speed())
 
 
-def bed_pressures(simulation):
+def bed_pressures(simulation: Simulation) -> Any:
     """Reaction of the bed in the column's cells, and rho g depth below the level surface, Pa."""
     state, work = simulation.state, simulation.work
     columns = simulation.gate_column
@@ -56,7 +58,15 @@ def bed_pressures(simulation):
 # -- surfaces ----------------------------------------------------------------------------------
 
 
-def surface_problems(name, surface, velocity, duration, grids, expected=None, **judged):
+def surface_problems(
+    name: str,
+    surface: Callable,
+    velocity: Callable,
+    duration: float,
+    grids: tuple,
+    expected: Any = None,
+    **judged: Any,
+) -> Any:
     """Two problems: symmetric difference and area error once the surface is back (or at `expected`).
 
     `judged` holds for each, `difference` and `area`: expected order, tolerance and its source.
@@ -81,12 +91,12 @@ def surface_problems(name, surface, velocity, duration, grids, expected=None, **
     )
 
 
-def disc_at(x_centre, z_centre):
+def disc_at(x_centre: float, z_centre: float) -> Callable:
     """Disc of radius 0.15 in the unit square."""
     return lambda x, z: exact.disc(x, z, x_centre, z_centre, 0.15)
 
 
-def uniform(x, z, time):
+def uniform(x: Any, z: Any, time: float) -> Any:
     """Velocity (0.4, 0.3) m/s."""
     return 0.4 + 0.0 * x, 0.3 + 0.0 * x
 

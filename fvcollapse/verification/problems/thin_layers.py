@@ -1,6 +1,8 @@
 """Layers on a rough bed that flow or stay, by their thickness; a thick layer flows as without the effect."""
 
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +12,10 @@ from fvcollapse.verification.flows import layer, layer_case, run_until
 from fvcollapse.verification.problem import Problem
 from fvcollapse.verification.problems.steady import GLASS, SLOPE, steady_errors
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+
+
 ANGLES = (22.0, 24.0, 27.0, 30.0)  # deg
 ROOM = 1.5  # height of the grid over the stopping thickness: the largest thickness that is tried
 HALVINGS = 9  # of the interval of the thickness, whose middle is the answer: 0.1 % of the stopping thickness
@@ -18,7 +24,7 @@ SOON = 2.0  # s, after which a layer that was sheared so fast flows faster or cr
 NONLOCAL = {"length": 10.0, "closure": "nonlocal"}  # h_stop of 10 to 30 diameters
 
 
-def least_thickness(cells, angle, bed, effect):
+def least_thickness(cells: int, angle: float, bed: Any, effect: Any) -> float:
     """Least thickness of a layer that goes on flowing, over the stopping thickness of the formula.
 
     The cells are `cells` per stopping thickness, so that one cell is an error of 1/cells.
@@ -42,13 +48,13 @@ def least_thickness(cells, angle, bed, effect):
     return 0.5 * (low + high)
 
 
-def flows(case, depth):
+def flows(case: "Case", depth: float) -> bool:
     """Whether a layer of `depth` (m) that is sheared slowly gains speed."""
     flow = layer(case, lambda z: SHEAR_RATE * z, dt=0.1, depth=depth)
     return run_until(flow, SOON).mean_velocity() > 0.5 * SHEAR_RATE * depth
 
 
-def stopping_errors(bed, effect):
+def stopping_errors(bed: Any, effect: Any) -> Callable:
     """Relative errors of the stopping thickness at the angles, as a function of cells per stopping thickness."""
 
     def errors(cells):

@@ -1,0 +1,44 @@
+"""The folder of an experiment: its name, and what is none although it looks like one."""
+
+import os
+from pathlib import Path
+from urllib.parse import quote
+
+from fvcollapse.errors import InputError
+
+SETTINGS = "experiment.toml"
+MOST_NAMES = 8  # of experiments in a message
+ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the name of a file (255)
+
+
+def refuse_parent(folder: Path) -> None:
+    """Refuse a folder of experiments, which holds none itself, with the names of those inside.
+
+    Raises
+    ------
+    InputError
+    """
+    if (folder / SETTINGS).exists() or not folder.is_dir():
+        return
+    inside = sorted(path.parent.name for path in folder.glob(f"*/{SETTINGS}"))
+    if inside:
+        others = f" and {len(inside) - MOST_NAMES} more" if len(inside) > MOST_NAMES else ""
+        found = f"no {SETTINGS}, but experiments in it"
+        raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
+
+
+def refuse_bad_name(folder: Path) -> None:
+    """Refuse a folder whose name no report can show: it becomes part of file names, figures and pages.
+
+    Raises
+    ------
+    InputError
+    """
+    name = os.path.basename(os.path.realpath(folder))
+    if not name or not name.isprintable():
+        allowed = "a folder with a name of printable characters in UTF-8"
+        raise InputError(folder, "folder", f"the name {name!r}", allowed)
+    length = len(quote(name, safe=""))  # as figures are named
+    if length > ENCODED_NAME_MAX:
+        allowed = f"at most {ENCODED_NAME_MAX}, where a byte that is no letter, digit or _.-~ counts three"
+        raise InputError(folder, "folder", f"a name of {length} characters", allowed)

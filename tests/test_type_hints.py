@@ -1,0 +1,57 @@
+"""Type hints: all public functions outside of the listed packages have them, and the type checker agrees."""
+
+import ast
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+import fvcollapse
+
+PACKAGE = Path(fvcollapse.__file__).parent
+KERNELS = ("step", "march.py", "measure/pile.py", "measure/series_row.py")  # their text is compiled
+WITHOUT = ("blind", "diagnosis", "effects")  # so far
+FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
+HINTED = [
+    name
+    for name in FILES
+    if not any(name == other or name.startswith(f"{other}/") for other in (*KERNELS, *WITHOUT))
+]
+HOOKS = {"error", "parse_known_args", "submit", "shutdown", "energy"}  # as a base class has them
+
+
+def public_functions(tree):
+    """Public functions of a module, and public methods of its classes."""
+    for node in tree.body:
+        for function in getattr(node, "body", ()) if isinstance(node, ast.ClassDef) else (node,):
+            if isinstance(function, ast.FunctionDef) and not function.name.startswith("_"):
+                yield function
+
+
+def is_hinted(function):
+    """Whether all arguments of a function, but that of the object of a method, and its result have hints."""
+    of = function.args
+    arguments = [*of.posonlyargs, *of.args, *of.kwonlyargs, of.vararg, of.kwarg]
+    arguments = [one for one in arguments if one is not None and one.arg not in ("self", "cls")]
+    return function.returns is not None and all(one.annotation for one in arguments)
+
+
+@pytest.mark.parametrize("name", HINTED)
+def test_public_functions_have_hints(name):
+    tree = ast.parse((PACKAGE / name).read_text(encoding="utf-8"))
+    bare = {function.name for function in public_functions(tree) if not is_hinted(function)}
+    assert bare <= HOOKS
+
+
+def test_the_package_says_that_it_has_hints():
+    assert (PACKAGE / "py.typed").exists()
+    assert len(HINTED) > 120
+
+
+@pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
+def test_the_type_checker_agrees(tmp_path):
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path)]
+    done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
