@@ -35,6 +35,7 @@ from fvcollapse.diagnosis.report.schema_unexplained import (
     RemainderSize,
     Unexplained,
 )
+from fvcollapse.diagnosis.report.shown import answer_table, arrays_of, draw_probabilities
 
 __all__ = [
     "Assumption",
@@ -220,3 +221,20 @@ class Report(Part, kw_only=True):
     cost: Cost
     warnings: list[Oddity] = []
     details: Details = Details()
+
+    def plot(self):
+        """Probabilities of the first causes as a figure, which a notebook shows."""
+        return draw_probabilities(self)
+
+    def to_xarray(self):
+        """Measured and simulated values as labelled arrays with units, one group for each curve.
+
+        Raises
+        ------
+        ImportError
+            xarray is not installed.
+        """
+        return arrays_of(self)
+
+    def _repr_html_(self):
+        return answer_table(self)
