@@ -18,7 +18,7 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from fvcollapse.studies.workers import HERE, Resources, run_all
 
-BATCH = 6  # cases that a worker takes at once
+BATCH = 15  # cases that a worker takes at once
 CONTROLS = "controls"  # folder of a case that holds the controls of its laboratory
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from fvcollapse.blind.forms import NAMES, Share, Whole, is_name, read_form
 from fvcollapse.blind.separation import separation_of
 from fvcollapse.blind.simple_rules import chi_square, signature
-from fvcollapse.diagnosis.evidence import Evidence, Hypothesis, Left
+from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.errors import InputError

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.likelihood import ResponseColumns, Whitened, joined, response_at
 from fvcollapse.diagnosis.log_sums import log_sum_exp
 from fvcollapse.diagnosis.mass_balance import MassBalance
@@ -38,6 +39,7 @@ from fvcollapse.diagnosis.sign import DISCREPANCY, Direction
 
 PAIR_ODDS = 0.1
 JOINED = 3  # best single effects that are joined with every other one
+WHOLE = 3  # best pairs whose intervals, and evidence under wider priors, are computed
 CHECK_PASSED = 0.05  # p-value from which a hypothesis passes the predictive check
 WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
 # of the likelihood in the intervals of parameters. Responses come from one grid and from the material as it is
@@ -66,7 +68,7 @@ class Hypothesis(NamedTuple):
         Most probable closure of each effect; empty for none and unknown.
     u, low, high : (d,) arrays
         Most probable quantiles of the parameters (of a pair: of both), and the ends of their intervals
-        of 90 %, with the likelihood tempered by `INTERVAL_TEMPERATURE`.
+        of 90 %, with the likelihood tempered by `INTERVAL_TEMPERATURE`; of all but the best pairs the whole priors.
     p_value : float
         Chi-square of the residual at u and sigma, of all points.
     p_by_run, p_by_phase : dict
@@ -99,24 +101,6 @@ class Hypothesis(NamedTuple):
     difference: np.ndarray
     closes: float | None = None
     worsens: tuple = ()
-
-
-class Left(NamedTuple):
-    """What asks for an explanation, see `practical.Remainder`.
-
-    Attributes
-    ----------
-    regions : int
-        Significant regions of the gap map.
-    practical : float
-        Largest size of what no re-calibration explains, over an honest error of the model.
-    gain : float
-        Fraction of the re-calibrated gap that the best hypothesis closes.
-    """
-
-    regions: int
-    practical: float
-    gain: float
 
 
 @dataclass(frozen=True)
@@ -204,11 +188,7 @@ class ModelComparison:
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
         single = self.directed(gap, single)
         single.sort(key=lambda each: -each.log_evidence)
-        for pair in joined_pairs(single) if pairs else ():
-            pair = sorted(pair, key=lambda each: each.name)
-            both = joined(*(self.closures[each.name][each.variant[0]] for each in pair))
-            name = "+".join(each.name for each in pair)
-            hypotheses.append(self.with_effect(gap, seen, name, [both], float(np.log(PAIR_ODDS))))
+        hypotheses += self.together(gap, seen, single) if pairs else []
         hypotheses += single
         hypotheses.sort(key=lambda each: -(each.log_evidence + each.log_prior))
         return Evidence({each.name: each for each in hypotheses})
@@ -245,10 +225,22 @@ class ModelComparison:
             name, total, total, 0.0, sigma, (), nothing, nothing, nothing, *checks, difference
         )
 
-    def with_effect(self, gap, seen, name, closures, log_prior=0.0):
-        """The hypothesis that one effect, or two, act."""
+    def together(self, gap, seen, single):
+        """Hypotheses of two effects, the best singles first; only of the `WHOLE` best ones intervals are computed."""
+        closures = {}
+        for pair in joined_pairs(single):
+            pair = sorted(pair, key=lambda each: each.name)
+            both = joined(*(self.closures[each.name][each.variant[0]] for each in pair))
+            closures["+".join(each.name for each in pair)] = [both]
+        found = [self.with_effect(gap, seen, name, both, True) for name, both in closures.items()]
+        found.sort(key=lambda each: -each.log_evidence)
+        for number, each in enumerate(found[:WHOLE]):
+            found[number] = self.with_effect(gap, seen, each.name, closures[each.name])
+        return found
+
+    def with_effect(self, gap, seen, name, closures, is_brief=False):
+        """The hypothesis that one effect, or two, act; a brief one has the whole priors as intervals."""
         posteriors = [integrate(seen, closure, (0.0, 1.0)) for closure in closures]
-        wide = [integrate(seen, closure, WIDE).log_evidence for closure in closures]
         logs = np.array([each.log_evidence for each in posteriors])
         chosen = int(np.argmax(logs))
         closure, posterior = closures[chosen], posteriors[chosen]
@@ -256,14 +248,17 @@ class ModelComparison:
             np.argmax(posterior.log_likelihood), posterior.log_likelihood.shape
         )
         u, sigma = posterior.nodes[row], float(DISCREPANCIES[column])
-        low, high = intervals(integrate(seen, closure, (0.0, 1.0), INTERVAL_TEMPERATURE), u)
+        share = np.log(len(closures))
+        log_evidence = log_wide = float(log_sum_exp(logs) - share)
+        low, high = np.zeros(len(u)), np.ones(len(u))
+        if not is_brief:
+            wide = [integrate(seen, each, WIDE).log_evidence for each in closures]
+            log_wide = float(log_sum_exp(np.array(wide)) - share)
+            tempered = integrate(seen, closure, (0.0, 1.0), INTERVAL_TEMPERATURE)
+            low, high = intervals(tempered, u)
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)
-        share = np.log(len(closures))
-        log_evidence, log_wide = (
-            float(log_sum_exp(logs) - share),
-            float(log_sum_exp(np.array(wide)) - share),
-        )
+        log_prior = float(np.log(PAIR_ODDS)) if "+" in name else 0.0
         return Hypothesis(
             *(name, log_evidence, log_wide, log_prior, sigma, closure.variant, u, low, high),
             *(*checks, difference),

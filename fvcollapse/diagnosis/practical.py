@@ -22,8 +22,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from fvcollapse.diagnosis.closing import size
 from fvcollapse.diagnosis.covariance import discrepancy_of
-from fvcollapse.diagnosis.evidence import CHECK_PASSED, Left
+from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.gap_map import beyond_bounds
+from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 
 # What two codes for the same equations differ by, root mean square over the points of a diagnosis, without noise: the

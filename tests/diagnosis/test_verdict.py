@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fvcollapse.blind.verdict_training import fit
-from fvcollapse.diagnosis.evidence import Evidence, Hypothesis, Left
+from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
 from fvcollapse.diagnosis.report.limits import model_words
