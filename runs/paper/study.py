@@ -5,8 +5,8 @@
 A part is a group of cases on the bed on which grains slide, or a bed (`rough`, `rough_thin_layer`); default all.
 Cases behind a statement that cannot be told are run on finer grids, until it is decided or the grid is --finest times
 finer. The runs stay below --out. The tables, `runs/paper/<group>/*.csv` and `runs/paper/<bed>/<group>/*.csv`, are
-written from them, then `statements.csv` and `statements.md`. The figures follow from the tables: `python -m plots.paper`.
-Give another --out after a change of the solver.
+written from them, then `statements.csv` and `statements.md`. The figures follow from the tables:
+`python -m plots.paper`. Give another --out after a change of the solver.
 """
 
 import multiprocessing
