@@ -96,7 +96,9 @@ def remake(task, options, root=ROOT):
     if not made:
         return f"{task.name}: made none of {', '.join(task.makes)}"
     about = stamp_now(task, root)
-    write_stamps(root, made, about if task.reads else about | {"cpu_s": spent(place, task)})
+    if not task.reads:
+        about |= {"code": solver_version(), "cpu_s": spent(place, task)}
+    write_stamps(root, made, about)
     return ""
 
 

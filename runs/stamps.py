@@ -3,7 +3,7 @@
 `stamps.json` holds for each file, by its path below the repository, the digest of its content and
 
 - of a table that runs make: the version of the solver (`fvcollapse.output.fingerprint.solver_version`) with the effects
-  that are on in these runs, and the CPU time they took;
+  that are on in these runs, that with all effects (`code`), and the CPU time they took;
 - of a table or figure that follows from other tables: the digest of those.
 
 A stamp says nothing of a file that has changed since. Two versions of Python may disagree on the version of a solver.
@@ -49,7 +49,7 @@ def write_stamps(root, made, about):
     made : iterable of str
         Their paths below it.
     about : dict
-        `solver` and `cpu_s`, or `tables`.
+        `solver`, `code` and `cpu_s`, or `tables`.
 
     Raises
     ------
