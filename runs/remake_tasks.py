@@ -84,11 +84,45 @@ CONVERGED = {  # case: CPU s
     for slope, cpu_s in ((0, 45.0), (16, 70.0), (22, 90.0))
     for width in ("w10cm", "winf")
 }
-PAPER = ("runs/paper/*/scalars.csv", "runs/paper/*/curves.csv", "runs/paper/*/labels.csv")
-BEDS = ("runs/paper/rough*/*/scalars.csv", "runs/paper/rough*/*/curves.csv")
+PAPER = (
+    "runs/paper/*/scalars.csv",
+    "runs/paper/*/curves.csv",
+    "runs/paper/*/labels.csv",
+    "runs/paper/rough*/*/scalars.csv",
+    "runs/paper/rough*/*/curves.csv",
+)
 STATEMENTS = ("runs/paper/statements.csv", "runs/paper/statements.md")
-GROUPS = "lateral_friction viscosity older_closure double_counting back_wall sensitivity refinement"
 LABORATORY = "particle_laboratory"
+PAPER_PARTS = {  # part: CPU s
+    "lateral_friction": 250.0,
+    "rough/lateral_friction": 130.0,
+    "viscosity": 200.0,
+    "rough/viscosity": 200.0,
+    "older_closure": 130.0,
+    "double_counting": 130.0,
+    "rough/double_counting": 90.0,
+    "back_wall": 45.0,
+    "rough_thin_layer/lateral_friction": 130.0,
+    "rough/older_closure": 130.0,
+    "rough/back_wall": 45.0,
+    "refinement": 30.0,
+    "sensitivity": 60.0,
+    "rough_thin_layer/viscosity": 200.0,
+    "rough_thin_layer/older_closure": 130.0,
+    "rough_thin_layer/double_counting": 90.0,
+    "rough_thin_layer/back_wall": 45.0,
+    "finer": 1200.0,
+}
+
+
+def paper(part, cpu_s):
+    """The task of one part of the study of the paper."""
+    folders = [part] if part != "finer" else [part, f"rough/{part}", f"rough_thin_layer/{part}"]
+    makes = [f"{folder}/{table}.csv" for folder in folders for table in ("scalars", "curves")]
+    makes += [f"{part}/labels.csv"] if part == "sensitivity" else []
+    effects = THIN if part.startswith(("rough_thin_layer", "finer")) else WALLS
+    return study("paper", part, makes, effects, cpu_s)
+
 
 TASKS = (
     study("comparison", "bars", ("bars.csv",), ("thin_layer",), 60.0, ""),
@@ -107,17 +141,9 @@ TASKS = (
         ("runout_against_slope.*",),
         ("runs/acceptance/matrix.csv",),
     ),
-    study("paper", GROUPS, ("*/scalars.csv", "*/curves.csv", "*/labels.csv"), WALLS, 1500.0),
-    study("paper", "rough", ("rough/*/scalars.csv", "rough/*/curves.csv"), WALLS, 600.0),
-    study(
-        "paper",
-        "rough_thin_layer",
-        ("rough_thin_layer/*/scalars.csv", "rough_thin_layer/*/curves.csv"),
-        THIN,
-        600.0,
-    ),
-    Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, (*PAPER, *BEDS)),
-    figures("paper", "paper", ("paper_*",), (*PAPER, *BEDS, *STATEMENTS), 60.0),
+    *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
+    Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
+    figures("paper", "paper", ("paper_*",), (*PAPER, *STATEMENTS), 60.0),
     study("paper_facts", "facts", ("facts.csv", "facts_sets.csv"), None, 840.0),
     study("paper_facts", "finer", ("finer.csv", "finer_sets.csv"), None, 120.0),
     study("paper_facts", "beds", ("beds.csv",), THIN, 300.0),

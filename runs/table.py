@@ -164,6 +164,14 @@ def reference(case):
     return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
 
 
+class Row(dict):
+    """The numbers of a run by column; one that the table does not have counts as not run."""
+
+    def __missing__(self, column):
+        """Raise `MissingRun`."""
+        raise MissingRun(f"the tables have no {column}")
+
+
 class Tables:
     """All `scalars.csv` and `curves.csv` below the folder of a study.
 
@@ -185,7 +193,7 @@ class Tables:
         for path in sorted(self.folder.glob(f"*/{SCALARS}")):
             for row in read_table(path):
                 key = row.pop("case"), float(row.pop("refinement"))
-                self.scalars[key] = {name: to_float(text) for name, text in row.items()}
+                self.scalars[key] = Row((name, to_float(text)) for name, text in row.items())
         for path in sorted(self.folder.glob(f"*/{CURVES}")):
             for row in read_table(path):
                 key = row["case"], float(row["refinement"]), row["quantity"]

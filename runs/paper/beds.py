@@ -11,6 +11,7 @@ from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
 from runs.paper.cases import GROUPS
 
+FINER = "finer"  # group of the grids that statements ask for
 SLIDES, ROUGH, ROUGH_THIN = "", "rough", "rough_thin_layer"
 NO_SLIP = {"boundary.mu_bed": math.inf}
 BEDS = {  # folder below that of the tables: settings that a bed adds
@@ -68,17 +69,25 @@ def on_bed(member, bed):
     )
 
 
-def runs(parts, cell_size, finer=()):
+def parts():
+    """Names of all groups on all beds, as folders of tables: `<group>` or `<bed>/<group>`."""
+    return [part_name(bed, group) for bed in BEDS for group in groups_on(bed)]
+
+
+def part_name(bed, group):
+    """Folder of the tables of a group on a bed."""
+    return f"{bed}/{group}".removeprefix("/")
+
+
+def runs(wanted, cell_size):
     """All runs of some parts: {folder below --out: Run}.
 
     Parameters
     ----------
-    parts : sequence of str
-        Groups on the bed that slides, and beds.
+    wanted : sequence of str
+        Parts; others than `parts()` are passed over.
     cell_size : float
         [m]
-    finer : iterable of (bed, name, refinement)
-        Further grids; those of cases that are in no part are left out.
 
     Raises
     ------
@@ -88,16 +97,27 @@ def runs(parts, cell_size, finer=()):
     found = {}
     for bed in BEDS:
         for group, members in groups_on(bed).items():
-            if (group if bed == SLIDES else bed) not in parts:
-                continue
-            for name, member in members.items():
-                more = [r for at, of, r in finer if (at, of) == (bed, name)]
-                for factor in sorted({*member.refinements, *more}):
-                    case = member_case(name, member, cell_size, factor)
-                    run = f"{bed}/{run_name(name, cell_size, factor)}".removeprefix("/")
-                    assert run not in found, f"{run} is listed twice"
-                    found[run] = Run(bed, group, name, member, factor, case)
+            if part_name(bed, group) in wanted:
+                for name, member in members.items():
+                    for refinement in member.refinements:
+                        add(found, Run(bed, group, name, member, refinement, None), cell_size)
     return found
+
+
+def finer_runs(keys, cell_size):
+    """Runs of further grids, {folder below --out: Run} of the group `finer`, from (bed, name, refinement)."""
+    found = {}
+    for bed, name, refinement in keys:
+        members = {of: member for group in groups_on(bed).values() for of, member in group.items()}
+        add(found, Run(bed, FINER, name, members[name], refinement, None), cell_size)
+    return found
+
+
+def add(found, run, cell_size):
+    """Add a run, with its case, under its folder."""
+    at = part_name(run.bed, run_name(run.name, cell_size, run.refinement))
+    assert at not in found, f"{at} is listed twice"
+    found[at] = run._replace(case=member_case(run.name, run.member, cell_size, run.refinement))
 
 
 def member_case(name, member, cell_size, refinement):

@@ -2,11 +2,12 @@
 
     python -m runs.paper.study [PART …] [--workers 2] [--cell-size 0.006] [--finest 3]
 
-A part is a group of cases on the bed on which grains slide, or a bed (`rough`, `rough_thin_layer`); default all.
-Cases behind a statement that cannot be told are run on finer grids, until it is decided or the grid is --finest times
-finer. The runs stay below --out. The tables, `runs/paper/<group>/*.csv` and `runs/paper/<bed>/<group>/*.csv`, are
-written from them, then `statements.csv` and `statements.md`. The figures follow from the tables:
-`python -m plots.paper`. Give another --out after a change of the solver.
+A part is a group of cases, on the bed on which grains slide or on a rough one (`rough/<group>`,
+`rough_thin_layer/<group>`), or `finer`: cases behind a statement that cannot be told, on finer grids until it is
+decided or the grid is --finest times finer. Default all. The runs stay below --out. The tables,
+`runs/paper/<part>/*.csv` (of `finer` also `<bed>/finer`), are written from them, then `statements.csv` and
+`statements.md`. The figures follow from the tables: `python -m plots.paper`. Give another --out after a change of the
+solver.
 """
 
 import multiprocessing
@@ -18,8 +19,8 @@ from functools import partial
 from tqdm import tqdm
 
 from runs.paper import statements
-from runs.paper.beds import BEDS, NO_SLIP, SLIDES, runs
-from runs.paper.cases import GROUPS, SENSITIVITIES
+from runs.paper.beds import FINER, finer_runs, parts, runs
+from runs.paper.cases import SENSITIVITIES
 from runs.paper.finer import finer
 from runs.paper.members import rows_of_run
 from runs.study import Study, run_in_folders
@@ -28,29 +29,31 @@ from runs.table import CURVE, CURVES, LABELS, REFINEMENTS, RUN, SCALARS, write_t
 
 
 def do_parts(options):
-    """Run what is asked for and the finer grids that its statements need, and write all that follows.
+    """Run what is asked for, and write all that follows; return a line for each missing run."""
+    wanted = runs(options.parts, options.cell_size)
+    missing = run_and_write(wanted, options) if wanted else []
+    settled, tables = statements.main(options.tables)
+    if FINER in options.parts:
+        missing += refine(settled, tables, options)
+    return missing
 
-    Returns
-    -------
-    list of str
-        A line for each missing run.
-    """
-    chosen = []
+
+def refine(settled, tables, options):
+    """Run the cases behind statements that cannot be told on finer and finer grids; return what is missing."""
+    chosen, missing = [], []
     while True:
-        wanted = runs(options.parts, options.cell_size, chosen)
-        run_in_folders({options.out / at: run.case for at, run in wanted.items()}, options.workers)
-        missing = write_tables(wanted, options)
-        settled, tables = statements.main(options.tables)
-        more = finer(settled, tables, options.finest)
-        more = [key for key in more if key not in chosen and not known(wanted, key)]
-        if not more or not set(runs(options.parts, options.cell_size, chosen + more)) - set(wanted):
+        more = [key for key in finer(settled, tables, options.finest) if key not in chosen]
+        if not more:
             return missing
         chosen += more
+        missing = run_and_write(finer_runs(chosen, options.cell_size), options)
+        settled, tables = statements.main(options.tables)
 
 
-def known(wanted, key):
-    """Whether a bed, case and refinement are among the runs."""
-    return any((run.bed, run.name, run.refinement) == key for run in wanted.values())
+def run_and_write(wanted, options):
+    """Run what is not finished, and write the tables; return a line for each missing run."""
+    run_in_folders({options.out / at: run.case for at, run in wanted.items()}, options.workers)
+    return write_tables(wanted, options)
 
 
 def write_tables(wanted, options):
@@ -108,7 +111,7 @@ def add_options(parser):
 STUDY = Study(
     "paper",
     __doc__,
-    {**GROUPS, **{bed: NO_SLIP for bed in BEDS if bed != SLIDES}},
+    dict.fromkeys([*parts(), FINER]),
     uses=("cell_size",),
     cell_size=0.006,
     all_parts=True,
