@@ -59,9 +59,6 @@ class Line(NamedTuple):
     values: np.ndarray
 
 
-# -- writing -------------------------------------------------------------------------------------
-
-
 def write_table(path, rows, columns=None):
     """Write a table as a whole, or not at all, and make its folder.
 
@@ -118,9 +115,6 @@ def number(value, digits):
     return "0" if text in ("-0", "") else text
 
 
-# -- reading -------------------------------------------------------------------------------------
-
-
 def read_table(path):
     """The rows of a table as dictionaries of texts; [] if there is no such file."""
     csv.field_size_limit(1_000_000)
@@ -165,10 +159,10 @@ def reference(case):
 
 
 class Row(dict):
-    """The numbers of a run by column; one that the table does not have counts as not run."""
+    """The numbers of a run by column; a column that the table does not have is a `MissingRun`."""
 
     def __missing__(self, column):
-        """Raise `MissingRun`."""
+        """Raise."""
         raise MissingRun(f"the tables have no {column}")
 
 
@@ -201,7 +195,7 @@ class Tables:
 
     @property
     def runout(self):
-        """Column of the runout at the thickness of the front."""
+        """Column of the runout."""
         return f"runout_{self.front_mm}mm_m"
 
     @property

@@ -19,7 +19,7 @@ from functools import partial
 from tqdm import tqdm
 
 from runs.paper import statements
-from runs.paper.beds import FINER, finer_runs, parts, runs
+from runs.paper.beds import BEDS, FINER, finer_runs, parts, runs
 from runs.paper.cases import SENSITIVITIES
 from runs.paper.finer import finer
 from runs.paper.members import rows_of_run
@@ -32,10 +32,12 @@ def do_parts(options):
     """Run what is asked for, and write all that follows; return a line for each missing run."""
     wanted = runs(options.parts, options.cell_size)
     missing = run_and_write(wanted, options) if wanted else []
-    settled, tables = statements.main(options.tables)
     if FINER in options.parts:
-        missing += refine(settled, tables, options)
-    return missing
+        for bed in BEDS:  # chosen anew
+            write_table(options.tables / bed / FINER / SCALARS, [], RUN)
+            write_table(options.tables / bed / FINER / CURVES, [], (*RUN, *CURVE))
+    settled, tables = statements.main(options.tables)
+    return missing + (refine(settled, tables, options) if FINER in options.parts else [])
 
 
 def refine(settled, tables, options):
