@@ -228,12 +228,10 @@ class Tables:
         A case that was run on one grid has the uncertainty of mu(I) with the same slope and width.
         """
         found = self.measure(lambda r: self.row(case, r)[column])
-        if not math.isnan(found.uncertainty) or (reference(case), FINE) not in self.scalars:
+        like = reference(case)
+        if (case, FINE) in self.scalars or (like, FINE) not in self.scalars:
             return found
-        if (case, FINE) in self.scalars:
-            return found
-        like = self.measure(lambda r: self.row(reference(case), r)[column])
-        return found._replace(uncertainty=like.uncertainty)
+        return found._replace(uncertainty=self.measure(lambda r: self.row(like, r)[column])[1])
 
     def difference(self, case, other, column):
         """The number of `case` less that of `other`, `Measured`.

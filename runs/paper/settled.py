@@ -76,14 +76,15 @@ def settle(claims, tables):
         The bed that slides is among them.
     """
     at = {(bed, mm): of.read_at(mm) for bed, of in tables.items() for mm in FRONTS}
-    return [
-        Settled(
-            claim,
-            {
-                (bed, mm): claim.statement(at[bed, mm])
-                for bed, mm in at
-                if (claim.front or mm == FRONTS[0]) and (claim.on_beds or bed == SLIDES)
-            },
-        )
-        for claim in claims
-    ]
+    return [Settled(claim, readings(claim, at)) for claim in claims]
+
+
+def readings(claim, at):
+    """The `Statement` of a claim under each reading that it has and that was run; the paper's in any case."""
+    found = {
+        (bed, mm): claim.statement(tables)
+        for (bed, mm), tables in at.items()
+        if (claim.front or mm == FRONTS[0]) and (claim.on_beds or bed == SLIDES)
+    }
+    first = SLIDES, FRONTS[0]
+    return {key: of for key, of in found.items() if of.clauses or key == first}
