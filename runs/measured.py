@@ -75,4 +75,4 @@ def of_triplet(sizes, values):
     coarse, medium, fine = values
     none = ROUND_OFF * max(abs(value) for value in values)
     width = max(values) - min(values)
-    return judged(sizes, coarse - medium, medium - fine, width, none, FORMAL_ORDER).index
+    return judged(sizes, coarse - medium, medium - fine, width, none, FORMAL_ORDER).bound

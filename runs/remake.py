@@ -116,7 +116,7 @@ def call(task, place, tables, options, root):
         path = cpu_file(place, task)
         total = spent(place, task) + more
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"{total:.1f}\n", encoding="utf-8")
+        path.write_text(f"{total:.3f}\n", encoding="utf-8")
     return done.returncode
 
 
