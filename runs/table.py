@@ -162,7 +162,6 @@ class Row(dict):
     """The numbers of a run by column; a column that the table does not have is a `MissingRun`."""
 
     def __missing__(self, column):
-        """Raise."""
         raise MissingRun(f"the tables have no {column}")
 
 
@@ -248,27 +247,27 @@ class Tables:
         return Measured(value, error, ours.cases | theirs.cases)
 
     def measure(self, function):
-        """`function(refinement)` on the finest grid that all its cases were run on, `Measured`.
-
-        Raises
-        ------
-        MissingRun
-            It does not exist on the coarse grid.
-        """
+        """`function(refinement)` on the finest grid with runs of the same length, `Measured`; or `MissingRun`."""
         before, self.asked = self.asked, {}
         sizes, values = [], []
         try:
             for refinement in REFINEMENTS:
                 try:
-                    values.append(float(function(refinement)))
+                    value = float(function(refinement))
                 except MissingRun:
                     if refinement == 1.0:
                         raise
                     continue
-                sizes.append(1.0 / refinement)
+                if self.ends(refinement) == self.ends(1.0):
+                    values.append(value)
+                    sizes.append(1.0 / refinement)
             return from_grids(sizes, values, frozenset(self.asked))
         finally:
             self.asked = before | self.asked
+
+    def ends(self, refinement):
+        """Last times of the runs that were read."""
+        return [self.scalars.get((case, refinement), {}).get("end_s") for case in self.asked]
 
     def line(self, case, quantity, t=None, x=None, refinement=1.0):
         """The `Line` of a quantity, nearest to a time [s] and a place [m] where they matter.
