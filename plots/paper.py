@@ -4,6 +4,7 @@ python -m plots.paper
 """
 
 from plots import (
+    paper_beds,
     paper_closure,
     paper_deposits,
     paper_domain,
@@ -17,6 +18,7 @@ from plots import (
     paper_refinement,
     paper_sensitivity,
     paper_style,
+    paper_verdicts,
     paper_viscosity_field,
     paper_volume,
 )
@@ -37,6 +39,8 @@ FIGURES = (
     paper_closure,
     paper_double_counting,
     paper_sensitivity,
+    paper_beds,
+    paper_verdicts,
 )
 
 

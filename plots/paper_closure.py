@@ -26,7 +26,7 @@ def draw(of):
     for label, (name, colour) in CLOSURES.items():
         cases = [name.format(slope=slope) for slope in SLOPES]
         points = [of.value(case, "runout_5mm_m") for case in cases]
-        values, errors = zip(*points, strict=True)
+        values, errors, _ = zip(*points, strict=True)
         style = {"color": colour, "label": label}
         axes[0, 0].errorbar(SLOPES, values, errors, capsize=3, marker="o", ms=4, lw=1.2, **style)
         steep = cases[-1]

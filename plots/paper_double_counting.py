@@ -28,7 +28,7 @@ def draw(of):
         for label, (name, colour) in SETS.items():
             for quantity, line in (("runout_5mm_m", "-"), ("runout_1mm_m", ":")):
                 points = [of.value(f"{name}_a{slope}_{width}", quantity) for slope in SLOPES]
-                values, errors = zip(*points, strict=True)
+                values, errors, _ = zip(*points, strict=True)
                 style = {"color": colour, "ls": line, "lw": 1.2, "capsize": 3}
                 panel.errorbar(
                     SLOPES, values, errors, label=label if line == "-" else None, **style

@@ -8,10 +8,9 @@ front (`Tables.line` of `VELOCITY`).
 
 import csv
 import io
-import json
 import math
-import operator
 import re
+from copy import copy
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,24 +18,14 @@ import numpy as np
 from scipy.signal import savgol_filter
 
 from fvcollapse.files.atomic import write_atomic
+from runs.measured import Measured, from_grids
 
 RUNS = Path(__file__).parent
 SCALARS, CURVES, LABELS = "scalars.csv", "curves.csv", "labels.csv"
 RUN = ("case", "refinement", "cell_size_mm")
 CURVE = ("quantity", "t_s", "x_m", "axis", "start", "step", "values")
-FINE = 1.5  # refinement that gives the uncertainty of the tables
-SAFETY = 3.0  # of the difference of two grids, as in the grid convergence index of Roache (1994)
-CONVERGENCE = RUNS / "convergence"
-WIDTHS = {"w10": "w10cm", "winf": "winf"}  # of the stored convergence studies
-STUDIED = {  # column of the tables: observable of these studies
-    "runout_10mm_m": "runout_10mm",
-    "runout_5mm_m": "runout",
-    "runout_1mm_m": "runout_1mm",
-    "x_99_m": "x_99",
-    "final_height_m": "final_thickness",
-    "peak_velocity_m_s": "peak_front_velocity",
-    "arrest_s": "arrest_time",
-}
+REFINEMENTS = (1.0, 1.5, 2.0, 3.0)  # cells of 6, 4, 3, 2 mm
+FINE = REFINEMENTS[1]  # on which every number of a statement is known
 VELOCITY = "velocity_m_s"
 VELOCITY_WINDOW = 9  # points: 80 ms, second order, so that a peak keeps its height
 EARLIEST = 8  # points; before 80 ms the front is a vertical wall, read to a cell only
@@ -45,13 +34,6 @@ SAME_TIME = 0.011  # s; half the interval of the profiles, and a little
 
 class MissingRun(LookupError):
     """A case, or a curve of it, that is not in the tables."""
-
-
-class Measured(NamedTuple):
-    """A value and its grid uncertainty, NaN where no finer grid was run."""
-
-    value: float
-    uncertainty: float = math.nan
 
 
 class Curve(NamedTuple):
@@ -75,9 +57,6 @@ class Line(NamedTuple):
 
     at: np.ndarray
     values: np.ndarray
-
-
-# -- writing -------------------------------------------------------------------------------------
 
 
 def write_table(path, rows, columns=None):
@@ -136,9 +115,6 @@ def number(value, digits):
     return "0" if text in ("-0", "") else text
 
 
-# -- reading -------------------------------------------------------------------------------------
-
-
 def read_table(path):
     """The rows of a table as dictionaries of texts; [] if there is no such file."""
     csv.field_size_limit(1_000_000)
@@ -182,6 +158,13 @@ def reference(case):
     return re.sub(r"^.*(_a\d+_w\w+)$", r"muI\1", case)
 
 
+class Row(dict):
+    """The numbers of a run by column; a column that the table does not have is a `MissingRun`."""
+
+    def __missing__(self, column):
+        raise MissingRun(f"the tables have no {column}")
+
+
 class Tables:
     """All `scalars.csv` and `curves.csv` below the folder of a study.
 
@@ -191,18 +174,39 @@ class Tables:
         {(case, refinement): {column: float}}; NaN where a cell is empty.
     curves : dict
         {(case, refinement, quantity): [row, …]}
+    front_mm : int
+        Thickness at which the front is read [mm]: 1, 5 or 10.
+    asked : dict
+        Names of the cases that were read, in their order (the values say nothing).
     """
 
-    def __init__(self, folder):
-        self.folder, self.scalars, self.curves = Path(folder), {}, {}
+    def __init__(self, folder, front_mm=5):
+        self.front_mm = front_mm
+        self.folder, self.scalars, self.curves, self.asked = Path(folder), {}, {}, {}
         for path in sorted(self.folder.glob(f"*/{SCALARS}")):
             for row in read_table(path):
                 key = row.pop("case"), float(row.pop("refinement"))
-                self.scalars[key] = {name: to_float(text) for name, text in row.items()}
+                self.scalars[key] = Row((name, to_float(text)) for name, text in row.items())
         for path in sorted(self.folder.glob(f"*/{CURVES}")):
             for row in read_table(path):
                 key = row["case"], float(row["refinement"]), row["quantity"]
                 self.curves.setdefault(key, []).append(row)
+
+    @property
+    def runout(self):
+        """Column of the runout."""
+        return f"runout_{self.front_mm}mm_m"
+
+    @property
+    def front(self):
+        """Quantity of the front curve at this thickness."""
+        return "front_m" if self.front_mm == 5 else f"front_{self.front_mm}mm_m"
+
+    def read_at(self, front_mm):
+        """The same tables with the front read at another thickness [mm]."""
+        other = copy(self)
+        other.front_mm, other.asked = front_mm, {}
+        return other
 
     def row(self, case, refinement=1.0):
         """All numbers of a run that reached its end.
@@ -211,6 +215,7 @@ class Tables:
         ------
         MissingRun
         """
+        self.asked[case] = None
         found = self.scalars.get((case, refinement))
         if found is None or not found["complete"]:
             raise MissingRun(f"{case} at refinement {refinement:g} is not in the tables")
@@ -219,57 +224,50 @@ class Tables:
     def value(self, case, column):
         """A number with its grid uncertainty, `Measured`.
 
-        The number is that of the finer grid, where there is one. The uncertainty is the grid
-        convergence index of the stored study of this slope and width, where that has the number,
-        else `SAFETY` times the difference to the grid 1.5 times coarser. A case that was run on the
-        coarse grid alone has the uncertainty of mu(I) with the same slope and width.
+        A case that was run on one grid has the uncertainty of mu(I) with the same slope and width.
         """
-        value = self.row(case, FINE if self.on_both(case) else 1.0)[column]
-        for name in (case, reference(case)):
-            if self.on_both(name):
-                fine, coarse = self.row(name, FINE)[column], self.row(name)[column]
-                index = self.index(case, column) * abs(value)
-                return Measured(value, index or SAFETY * abs(fine - coarse))
-        return Measured(value)
-
-    def index(self, case, column):
-        """Grid convergence index (a fraction) of the convergence study of this slope and width; 0 without one."""
-        slope, width = re.search(r"_a(\d+)_(w\w+)$", case).groups()
-        path = CONVERGENCE / f"collapse_{slope}deg_{WIDTHS.get(width)}.json"
-        if column not in STUDIED or not path.exists():
-            return 0.0
-        return json.loads(path.read_text(encoding="utf-8"))[STUDIED[column]]["gci"] or 0.0
-
-    def on_both(self, *cases):
-        """Whether all these cases were run on both grids."""
-        return all((case, r) in self.scalars for case in cases for r in (1.0, FINE))
+        found = self.measure(lambda r: self.row(case, r)[column])
+        like = reference(case)
+        if (case, FINE) in self.scalars or (like, FINE) not in self.scalars:
+            return found
+        return found._replace(uncertainty=self.measure(lambda r: self.row(like, r)[column])[1])
 
     def difference(self, case, other, column):
         """The number of `case` less that of `other`, `Measured`.
 
-        Where both were run on both grids the uncertainty is that of the difference: what two runs
-        have in common does not count. Two set-ups that both have an index add these as squares.
-        Otherwise both numbers are those of the coarse grid, and the two uncertainties are added as
-        squares.
+        Where both were run on the same two grids or more the uncertainty is that of the difference:
+        what two runs have in common does not count. Otherwise both numbers are those of the coarse
+        grid, and the two uncertainties are added as squares.
         """
-        indexed = reference(case) != reference(other) and self.index(case, column)
-        indexed = indexed and self.index(other, column)
-        if self.on_both(case, other) and not indexed:
+        if all((name, FINE) in self.scalars for name in (case, other)):
             return self.measure(lambda r: self.row(case, r)[column] - self.row(other, r)[column])
         ours, theirs = self.value(case, column), self.value(other, column)
-        uncertainty = math.hypot(ours.uncertainty, theirs.uncertainty)
-        refinement = FINE if self.on_both(case, other) else 1.0
-        rows = (self.row(name, refinement) for name in (case, other))
-        return Measured(operator.sub(*(row[column] for row in rows)), uncertainty)
+        value = self.row(case)[column] - self.row(other)[column]
+        error = math.hypot(ours.uncertainty, theirs.uncertainty)
+        return Measured(value, error, ours.cases | theirs.cases)
 
     def measure(self, function):
-        """`function(refinement)` on the finer grid, `SAFETY` times its change from the coarse one as uncertainty."""
-        coarse = function(1.0)
+        """`function(refinement)` on the finest grid with runs of the same length, `Measured`; or `MissingRun`."""
+        before, self.asked = self.asked, {}
+        sizes, values = [], []
         try:
-            fine = function(FINE)
-        except MissingRun:
-            return Measured(coarse)
-        return Measured(fine, SAFETY * abs(fine - coarse))
+            for refinement in REFINEMENTS:
+                try:
+                    value = float(function(refinement))
+                except MissingRun:
+                    if refinement == 1.0:
+                        raise
+                    continue
+                if self.ends(refinement) == self.ends(1.0):
+                    values.append(value)
+                    sizes.append(1.0 / refinement)
+            return from_grids(sizes, values, frozenset(self.asked))
+        finally:
+            self.asked = before | self.asked
+
+    def ends(self, refinement):
+        """Last times of the runs that were read."""
+        return [self.scalars.get((case, refinement), {}).get("end_s") for case in self.asked]
 
     def line(self, case, quantity, t=None, x=None, refinement=1.0):
         """The `Line` of a quantity, nearest to a time [s] and a place [m] where they matter.
@@ -280,6 +278,7 @@ class Tables:
         """
         if quantity == VELOCITY:
             return velocity(self.line(case, "front_m", refinement=refinement))
+        self.asked[case] = None
         found = self.curves.get((case, refinement, quantity), [])
         for name, wanted in (("t_s", t), ("x_m", x)):
             if wanted is not None:

@@ -7,6 +7,7 @@ import pytest
 
 from fvcollapse.case.case import GRAVITY, Case
 from runs import table
+from runs.measured import Measured
 from runs.paper import measures, pressure, readings
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Clause, Statement, claims, combined
 
@@ -214,7 +215,7 @@ def test_viscosity_of_equation_6():
     ],
 )
 def test_verdict_on_a_clause(value, error, sense, limit, verdict):
-    assert Clause("", value, error, sense, limit).verdict == verdict
+    assert Clause("", Measured(value, error), sense, limit).verdict == verdict
 
 
 def test_verdict_on_a_statement():
@@ -223,8 +224,8 @@ def test_verdict_on_a_statement():
     assert combined([CONFIRMED, OPEN, REFUTED]) == REFUTED
     assert combined([]) == OPEN
     clauses = [
-        Clause("10°", 0.123456, 0.00071, "above", 0.02, "m"),
-        Clause("0°", 0.01, math.nan, "above", 0.02, "m"),
+        Clause("10°", Measured(0.123456, 0.00071), "above", 0.02, "m"),
+        Clause("0°", Measured(0.01), "above", 0.02, "m"),
     ]
     statement = Statement("3", "claim", "criterion", clauses, "more")
     assert statement.measured() == "10° 0.123 ± 0.0007; 0° 0.0100 ± ? m (1 of 2 confirmed). more"
@@ -238,7 +239,7 @@ def test_a_missing_run_leaves_a_claim_open():
 
     @claim("3", "said", "criterion")
     def measure(of):
-        return [Clause("", of.row("muI_a0_w10")["end_s"], 0.0, "above", 0.0)]
+        return [Clause("", Measured(of.row("muI_a0_w10")["end_s"], 0.0), "above", 0.0)]
 
     statement = listed[0].statement(table.Tables("no such folder"))
     assert statement.verdict == OPEN

@@ -7,9 +7,13 @@ from functools import partial
 import numpy as np
 import pytest
 
+from fvcollapse.case.grammar import as_table
 from plots import paper, paper_front_slow_phase
 from runs import table
-from runs.paper import cases, curves, measures, members, statements, study
+from runs.measured import Measured, of_trend, uncertainty
+from runs.paper import beds, cases, curves, measures, settled, statements, study
+from runs.paper.finer import finer, shortage
+from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED, Claim, Clause
 from runs.study import main as call
 
 PAPER = table.RUNS / "paper"
@@ -45,24 +49,51 @@ def written(tmp_path):
 
 
 def test_numbers_and_their_uncertainty(written):
-    assert written.value("muI_a22_w10", "value") == pytest.approx((1.1, 0.3))  # finer grid
-    assert written.value("back0.18_a22_w10", "value") == pytest.approx((0.7, 0.3))  # of muI
+    found = written.value("muI_a22_w10", "value")
+    assert found[:2] == pytest.approx((1.1, 0.3))  # finer grid
+    assert found.cases == {"muI_a22_w10"}
+    assert written.value("back0.18_a22_w10", "value")[:2] == pytest.approx((0.7, 0.3))  # of muI
     assert math.isnan(written.value("muI_a22_w10", "nothing").value)
     assert written.cell_size("muI_a22_w10", 1.5) == 4.0
 
 
-def test_where_there_is_a_convergence_study_its_index_is_the_uncertainty(written):
-    assert written.index("muI_a22_w10", "runout_5mm_m") > 0.0
-    assert written.index("eta1_a22_winf", "runout_5mm_m") > 0.0
-    assert written.index("muI_a22_w10", "value") == 0.0
-    assert written.index("muI_a10_w10", "runout_5mm_m") == 0.0
-
-
 def test_what_two_runs_share_is_no_uncertainty_of_their_difference(written):
     found = written.difference("muI_a22_w10", "eta1_a22_w10", "value")
-    assert found == pytest.approx((0.18, 0.06))
+    assert found[:2] == pytest.approx((0.18, 0.06))
+    assert found.cases == {"muI_a22_w10", "eta1_a22_w10"}
     found = written.difference("muI_a22_w10", "back0.18_a22_w10", "value")
-    assert found == pytest.approx((0.3, math.hypot(0.3, 0.3)))
+    assert found[:2] == pytest.approx((0.3, math.hypot(0.3, 0.3)))
+
+
+def test_the_front_is_read_at_a_thickness(written):
+    assert (written.runout, written.front) == ("runout_5mm_m", "front_m")
+    thin = written.read_at(1)
+    assert (thin.runout, thin.front) == ("runout_1mm_m", "front_1mm_m")
+    assert thin.scalars is written.scalars
+
+
+@pytest.mark.parametrize(
+    ("sizes", "values", "expected"),
+    [
+        ([6.0], [1.0], math.nan),
+        ([6.0, 4.0], [1.0, 1.1], 0.3),
+        ([6.0, 4.0, 3.0], [0.0, 0.0, 0.0], 0.0),
+        ([6.0, 4.0, 3.0], [1.0, 1.04, 1.06], 1.25 * 0.06),  # first order: 1.12 is the limit
+        ([6.0, 4.0, 3.0], [1.0, 1.04, 1.02], 3.0 * 0.04),  # oscillates
+        ([6.0, 4.0, 3.0, 2.0], [1.0, 1.04, 1.06, 1.08], 1.25 * 0.04),
+        ([6.0, 4.0, 3.0, 2.0], [-0.06, -0.02, 0.0, 0.02], 1.25 * 0.04),  # the same, elsewhere
+        ([6.0, 4.0, 3.0, 2.0], [1.0, math.nan, 1.06, 1.08], math.nan),
+    ],
+)
+def test_uncertainty_of_values_on_grids(sizes, values, expected):
+    found = uncertainty(sizes, values)
+    assert found == pytest.approx(expected, rel=1e-3, nan_ok=True)
+
+
+def test_values_that_scatter_about_their_trend_are_as_uncertain_as_the_finest_three():
+    sizes, values = [6.0, 4.0, 3.0, 2.0], [1.35, 1.27, 1.31, 1.27]
+    assert of_trend(sizes, values) is None
+    assert uncertainty(sizes, values) == uncertainty(sizes[1:], values[1:]) > 3.0 * 0.039
 
 
 def test_curves_are_read_back(written):
@@ -101,17 +132,102 @@ def test_reference_has_the_same_slope_and_width():
 
 
 def test_every_case_is_listed_once_and_is_a_case():
-    found = cases.runs(cases.GROUPS, 0.006)  # raises if a case is refused or listed twice
+    found = beds.runs(beds.parts(), 0.006)  # raises if a case is refused or listed twice
     physics = {}
-    for run, (_, name, refinement, case) in found.items():
-        same = case.replace(**{"time.end": 1.0, "time.output_times": ()}).to_toml()
-        assert same not in physics, f"{run} is {physics[same]} again"
-        physics[same] = run
-        assert refinement == 1.0 or case.grid.cell_size < 0.006, name
-    for group in cases.GROUPS.values():
-        for member in group.values():
-            assert set(member.keep) <= set(curves.KEPT)
-            assert set(member.profiles) <= set(cases.TIMES)
+    for at, run in found.items():
+        same = run.case.replace(**{"time.end": 1.0, "time.output_times": ()}).to_toml()
+        same = run.bed, same  # `sensitivity` has one of the runs of the rough bed
+        assert same not in physics, f"{at} is {physics[same]} again"
+        physics[same] = at
+        assert run.refinement == 1.0 or run.case.grid.cell_size < 0.006, at
+        assert set(run.member.keep) <= set(curves.KEPT)
+        assert set(run.member.profiles) <= set(cases.TIMES)
+
+
+def test_rough_beds_hold_the_grains():
+    found = beds.runs([part for part in beds.parts() if part.startswith("rough")], 0.006)
+    assert {run.bed for run in found.values()} == {"rough", "rough_thin_layer"}
+    for run in found.values():
+        assert run.case.boundary.mu_bed == math.inf
+        assert ("thin_layer" in as_table(run.case)["effects"]) == (run.bed == beds.ROUGH_THIN)
+    assert not any("bed" in run.name for run in found.values())
+
+
+def test_finer_grids_are_runs_of_their_own():
+    keys = [("", "back0.18_a22_w10", 2.0), ("rough", "eta1_a22_w10", 2.0)]
+    found = beds.finer_runs(keys, 0.006)
+    assert list(found) == ["back0.18_a22_w10_3mm", "rough/eta1_a22_w10_3mm"]
+    assert {run.group for run in found.values()} == {beds.FINER}
+    assert not set(found) & set(beds.runs(beds.parts(), 0.006))
+
+
+# -- readings ------------------------------------------------------------------------------------
+
+
+def claim_of(value, needed=0.5, error=0.1, front=True):
+    """A claim that reads its value, by front and bed, off a dictionary instead of tables."""
+
+    def measure(of):
+        at = value[of.folder.name, of.front_mm] if isinstance(value, dict) else value
+        return [Clause("", Measured(at, error, frozenset({"muI_a22_w10"})), "above", needed)]
+
+    return Claim("3", "said", "criterion", measure, front)
+
+
+@pytest.fixture
+def two_beds(written, tmp_path):
+    rough = table.Tables(tmp_path / "rough")
+    rough.scalars = {("muI_a22_w10", r): {} for r in table.REFINEMENTS[:3]}
+    return {beds.SLIDES: written, beds.ROUGH: rough}
+
+
+def by_reading(folder, slides, rough):
+    """Values at 5, 1, 10 mm on both beds."""
+    return {
+        (bed, mm): value
+        for bed, values in ((folder, slides), ("rough", rough))
+        for mm, value in zip(settled.FRONTS, values, strict=True)
+    }
+
+
+@pytest.mark.parametrize(
+    ("slides", "rough", "verdict"),
+    [
+        ((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), CONFIRMED),
+        ((0.0, 0.0, 0.0), (0.0, 0.55, 0.0), REFUTED),
+        ((1.0, 0.55, 1.0), (0.45, 1.0, 1.0), CONFIRMED),
+        ((1.0, 1.0, 1.0), (0.0, 1.0, 1.0), settled.ON_BED),
+        ((1.0, 0.0, 1.0), (1.0, 0.0, 1.0), settled.ON_FRONT),
+        ((0.55, 1.0, 1.0), (1.0, 1.0, 1.0), OPEN),
+    ],
+)
+def test_verdict_under_all_readings(two_beds, tmp_path, slides, rough, verdict):
+    claim = claim_of(by_reading(tmp_path.name, slides, rough))
+    (found,) = settled.settle([claim], two_beds)
+    assert len(found.readings) == 6
+    assert found.verdict == verdict
+    assert (found.contrary() is None) == (verdict not in (settled.ON_BED, settled.ON_FRONT))
+
+
+def test_a_claim_without_front_has_one_reading_a_bed(two_beds, tmp_path):
+    claim = claim_of(by_reading(tmp_path.name, (1.0, 0, 0), (0.0, 0, 0)), front=False)
+    (found,) = settled.settle([claim], two_beds)
+    assert found.verdict == settled.ON_BED
+    assert found.others() == "not confirmed: rough bed"
+
+
+def test_finer_grids_are_asked_for_where_they_decide(two_beds):
+    def asked(value, error, finest=3.0):
+        (found,) = settled.settle([claim_of(value, error=error, front=False)], two_beds)
+        return finer([found], two_beds, finest)
+
+    # on two grids so far where the grains slide, on three on the rough bed
+    assert asked(0.55, 0.1) == [("", "muI_a22_w10", 2.0), ("rough", "muI_a22_w10", 3.0)]
+    assert asked(0.55, 0.1, finest=2.0) == [("", "muI_a22_w10", 2.0)]
+    assert asked(0.55, 0.01) == []  # decided
+    assert asked(0.501, 0.1) == []  # on its limit
+    assert asked(0.55, math.nan) == []
+    assert shortage(Clause("", Measured(0.55, 0.1), "above", 0.5)) == pytest.approx(2.0)
 
 
 # -- the command ---------------------------------------------------------------------------------
@@ -123,8 +239,7 @@ def short(monkeypatch):
     settings = cases.collapse(22, "w10", end=0.12)
     keep = tuple(curves.KEPT)
     listed = {"muI_a22_w10": cases.Member(settings, (1.0, 1.5), (0.1,), keep)}
-    for module in (cases, study, members):
-        monkeypatch.setattr(module, "GROUPS", {"lateral_friction": listed})
+    monkeypatch.setattr(beds, "GROUPS", {"lateral_friction": listed})
     shorter = replace(study.STUDY, parts={"lateral_friction": listed})
     monkeypatch.setattr(study, "main", partial(call, shorter))
     return listed
@@ -181,19 +296,20 @@ def test_committed_tables_are_readable_and_small():
     for lines in found.curves.values():
         for line in lines:
             assert np.isfinite(table.as_line(line).values).any()
-    size = sum(path.stat().st_size for path in PAPER.glob("**/*.csv"))
-    assert size < 650_000
+    for folder, most in ((PAPER, 700_000), (PAPER / "rough", 300_000)):
+        assert sum(path.stat().st_size for path in folder.glob("*/*.csv")) < most
 
 
-def test_committed_statements_follow_from_the_committed_tables(tmp_path):
-    found = statements.all_statements(table.Tables(PAPER))
+def test_committed_statements_follow_from_the_committed_tables():
+    found, _ = statements.all_statements(PAPER)
     text = (PAPER / "statements.md").read_text(encoding="utf-8")
-    for number, statement in enumerate(found, start=1):
-        assert f"| {number} | {statement.place} | {statement.claim} | " in text
-        assert statement.measured().replace("|", "/") in text
+    assert f"{statements.counted(found)}.\n" in text
+    for number, of in enumerate(found, start=1):
+        assert f"| {number} | {of.claim.place} | {of.claim.claim} | " in text
+        assert of.paper.measured().replace("|", "/") in text
     rows = table.read_table(PAPER / "statements.csv")
-    assert [row["verdict"] for row in rows] == [
-        row["verdict"] for row in statements.clause_rows(found)
+    assert [row["clause_verdict"] for row in rows] == [
+        row.get("clause_verdict", "") for row in statements.clause_rows(found)
     ]
 
 

@@ -3,15 +3,12 @@
 A group is a folder of tables. Names: `<law or change>_a<slope in degrees>_w<width in cm, or inf>`;
 `w` infinite is the case without lateral friction. A member is run on one or more grids: at a
 refinement r its cells are r times smaller than those the study is asked for, so that at 6 mm the
-refinements 1, 1.5, 2 and 3 are 6, 4, 3 and 2 mm. The difference between 1 and 1.5 is the grid
-uncertainty of the statements.
+refinements 1, 1.5, 2 and 3 are 6, 4, 3 and 2 mm. Finer grids than those listed here are chosen by
+the study where a statement asks for them (`finer.py`).
 """
 
 import math
 from typing import NamedTuple
-
-from fvcollapse.case.case import Case
-from fvcollapse.errors import CaseError
 
 SLOPES = (0, 10, 16, 19, 22)  # deg
 WIDTHS = {"w10": 0.10, "w20": 0.20, "winf": math.inf}  # m
@@ -27,7 +24,7 @@ PROFILES = {  # s; profiles and interfaces of figures 3 and 4, by slope and widt
     (22, "w20"): (0.30, 1.02, 1.5, 1.8),
     (22, "winf"): (0.30, 0.32, 0.48, 0.96, 1.02, 1.5, 1.76, 1.8),
 }
-PAIR, TRIPLE = (1.0, 1.5), (1.0, 1.5, 2.0)
+PAIR, TRIPLE, ALL = (1.0, 1.5), (1.0, 1.5, 2.0), (1.0, 1.5, 2.0, 3.0)
 
 
 class Member(NamedTuple):
@@ -69,7 +66,11 @@ def lateral_friction():
     return {
         f"muI_a{slope}_{width}": Member(
             collapse(slope, width),
-            TRIPLE if slope == 22 and width != "w20" else PAIR,
+            ALL
+            if (slope, width) == (22, "w10")
+            else TRIPLE
+            if (slope, width) == (22, "winf")
+            else PAIR,
             PROFILES.get((slope, width), ()),
             kept(slope, width),
         )
@@ -193,13 +194,9 @@ def sensitivity():
 
 
 def refinement():
-    """Section IX: finer grids, mu(I), its regularisation and a constant viscosity, to 1 s."""
+    """Section IX: the regularised law on the grids of mu(I), to 1 s."""
     regularised = collapse(22, "w10", end=1.0, rheology__law="mu_I_regularised")
-    return {
-        "muI_a22_w10": Member(collapse(22, "w10", end=1.0), (3.0,), (0.48, 0.96), ("shear",)),
-        "regularised_a22_w10": Member(regularised, TRIPLE, (0.48, 0.96), ("shear",)),
-        "eta0.4_a22_w10": Member(collapse(22, "w10", end=1.0, **constant(0.4)), (2.0,), (0.96,)),
-    }
+    return {"regularised_a22_w10": Member(regularised, TRIPLE, (0.48, 0.96), ("shear",))}
 
 
 GROUPS = {
@@ -214,35 +211,3 @@ GROUPS = {
         refinement,
     )
 }
-
-
-def member_case(name, member, cell_size, refinement):
-    """The `Case` of a member at one refinement.
-
-    Raises
-    ------
-    CaseError
-        The cell size is out of range.
-    """
-    try:
-        return Case().replace(**member.settings, **{"grid.cell_size": cell_size / refinement})
-    except CaseError as error:
-        raise CaseError(f"{name} at --cell-size {cell_size:g}", *error.args[1:]) from None
-
-
-def run_name(name, cell_size, refinement):
-    """Name of the folder of one run: the case and its cells."""
-    return f"{name}_{1e3 * cell_size / refinement:.4g}mm"
-
-
-def runs(groups, cell_size):
-    """All runs of some groups: {run name: (group, case name, refinement, Case)}."""
-    found = {}
-    for group in groups:
-        for name, member in GROUPS[group].items():
-            for factor in member.refinements:
-                run = run_name(name, cell_size, factor)
-                assert run not in found, f"{run} is listed twice"
-                case = member_case(name, member, cell_size, factor)
-                found[run] = (group, name, factor, case)
-    return found

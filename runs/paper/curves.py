@@ -8,11 +8,10 @@ from fvcollapse.measure.pile import SPEED_STATIC, thickness
 from runs.paper import measures, pressure
 from runs.paper.readings import eta_I, field_at, front_curve, peak_field, profile_at
 from runs.paper.scalars import PRESSURE_TIMES, SHEAR_TIME
-from runs.table import FINE, Curve
+from runs.table import REFINEMENTS, Curve
 
 COARSE_STEP = 0.05  # s, of the curves that no figure shows in detail
 PROFILE_STEP = 0.010  # m
-MESH_TIMES = (0.48, 0.96)  # s; of the profiles on the finest grids
 STATIONS = {"velocity": (0.15, 0.25, 0.35), "pressure": (0.1, 0.25, 0.4, 0.6)}  # m
 WINDOW = (0.25, 0.55, 0.08)  # m; part of the shear-rate field that is kept: x from, x to, z to
 
@@ -20,10 +19,8 @@ WINDOW = (0.25, 0.55, 0.08)  # m; part of the shear-rate field that is kept: x f
 def curves(result, member, refinement):
     """All `Curve`s of a result that the tables keep."""
     step = measures.STEP if "fronts" in member.keep else COARSE_STEP
-    # beyond the pair of grids only the study of the mesh needs profiles
-    times = member.profiles if refinement <= FINE else set(member.profiles) & set(MESH_TIMES)
     found = [front(result, "runout", "front_m", step), deposit(result)]
-    found += profile_curves(result, sorted(times))
+    found += profile_curves(result, sorted(member.profiles))
     for name in member.keep:
         grids, function = KEPT[name]
         if refinement in grids:
@@ -154,13 +151,13 @@ def filled_cells(field, cells, x):
     return int((cells.weight[nearest_column(field, x)] > 0.0).sum())
 
 
-BASE, PAIR, ALL = (1.0,), (1.0, FINE), (1.0, FINE, 2.0, 3.0)
+BASE, ALL = (1.0,), REFINEMENTS
 KEPT = {  # name: (refinements it is kept of, function)
-    "fronts": (PAIR, fronts),
+    "fronts": (ALL, fronts),
     "volume": (BASE, volume),
-    "peak": (PAIR, peak),
+    "peak": (ALL, peak),
     "viscosity": (BASE, viscosity),
-    "velocity": (BASE, velocity),
+    "velocity": (ALL, velocity),
     "pressure": (BASE, pressures),
     "shear": (ALL, shear),
 }

@@ -1,6 +1,5 @@
 """What the tables hold of one run of the study."""
 
-from runs.paper.cases import GROUPS
 from runs.paper.curves import curves
 from runs.paper.scalars import scalars
 from runs.study import cost, finished_run
@@ -12,18 +11,19 @@ def rows_of_run(job):
 
     Parameters
     ----------
-    job : tuple
-        Folder, group, name of the case, refinement, Case.
+    job : (Path, Run)
+        Its folder, and what was run.
 
     Returns
     -------
     tuple
         Row of numbers, rows of curves, and "" or a line that says why there are none.
     """
-    folder, group, name, refinement, case = job
+    folder, run = job
     result, problem = finished_run(folder)
     if result is None:
         return None, [], problem
-    first = {"case": name, "refinement": refinement, "cell_size_mm": 1e3 * case.grid.cell_size}
-    lines = [curve_row(first, of) for of in curves(result, GROUPS[group][name], refinement)]
+    size = 1e3 * run.case.grid.cell_size
+    first = {"case": run.name, "refinement": run.refinement, "cell_size_mm": size}
+    lines = [curve_row(first, of) for of in curves(result, run.member, run.refinement)]
     return first | scalars(result, cost(folder)), lines, ""

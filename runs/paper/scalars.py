@@ -17,6 +17,7 @@ REAR = 0.10  # m; "near the back wall"
 THICK = 0.010  # m
 BAND_THICKNESS, BAND_CELLS = 0.025, 4  # columns whose flowing part is at least that thick
 BAND_LENGTH = 0.012  # m
+FRONT_LENGTH = 0.05  # m; "at the front"
 
 
 def scalars(result, cpu_s):
@@ -126,7 +127,28 @@ def flow_scalars(result):
         "I_p01": least,
         "I_p50": median,
         "I_p99": most,
+        **inertial_at_edges(result, peak_field(result)),
     }
+
+
+def inertial_at_edges(result, field):
+    """Inertial number at the static–flowing interface, the surface and the front: medians over cells full of grains."""
+    cells = pressure.columns(field, result.case)
+    full = cells.weight > 0.99 * field["dx"] * field["dz"]
+    flowing = full & (cells.speed > SPEED_STATIC) & (field["pressure"] > 0.0)
+    inertial, place = field["inertial_number"], np.flatnonzero(flowing.any(axis=1))
+    if place.size == 0:
+        return dict.fromkeys(("I_interface", "I_surface", "I_front"), math.nan)
+    lowest = flowing[place].argmax(axis=1)
+    uppermost = flowing.shape[1] - 1 - flowing[place, ::-1].argmax(axis=1)
+    above_static = lowest > 0  # elsewhere the grains flow on the bed
+    front = cells.x[place] > cells.x[place[-1]] - FRONT_LENGTH
+    values = {
+        "I_interface": inertial[place, lowest][above_static],
+        "I_surface": inertial[place, uppermost],
+        "I_front": inertial[place[front]][flowing[place[front]]],
+    }
+    return {name: float(np.median(of)) if of.size else math.nan for name, of in values.items()}
 
 
 def flowing_cells(result, field):

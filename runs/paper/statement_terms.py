@@ -16,19 +16,13 @@ def muI(slope, width):
 
 
 def shortening(t, slope, width):
-    """Runout (5 mm) without lateral friction less that with it [m]."""
-    return t.difference(muI(slope, "winf"), muI(slope, width), "runout_5mm_m")
-
-
-def front_at(t, case, time, refinement=1.0):
-    """Front (5 mm) at a time; a front that has stopped stays."""
-    line = t.line(case, "front_m", refinement=refinement)
-    return float(np.interp(time, line.at, line.values))
+    """Runout without lateral friction less that with it [m]."""
+    return t.difference(muI(slope, "winf"), muI(slope, width), t.runout)
 
 
 def front_gap(t, case, other, refinement):
     """Largest difference of two fronts over the second one's way from the gate, %."""
-    ours, theirs = (t.line(name, "front_m", refinement=refinement) for name in (case, other))
+    ours, theirs = (t.line(name, t.front, refinement=refinement) for name in (case, other))
     time = max((ours.at, theirs.at), key=len)
     a, b = (np.interp(time, line.at, line.values) for line in (ours, theirs))
     return 100.0 * float(np.abs(a - b).max() / (b[-1] - LENGTH_0))
@@ -51,13 +45,16 @@ def deposit_gap(t, case, other):
     return t.measure(lambda r: profile_gap(t, case, other, "thickness_mm", 1.76, r))
 
 
-def velocity_shape(t, case, x):
+def velocity_shape(t, case, x, refinement):
     """U over its surface value at 20 relative heights of one column, 0.48 s."""
-    line = t.line(case, "u_m_s", 0.48, x)
+    line = t.line(case, "u_m_s", 0.48, x, refinement)
     return np.interp(np.linspace(0.05, 0.95, 19) * line.at[-1], *line) / line.values[-1]
 
 
-def shape_gap(t, case, other):
+def shape_gap(t, case, other, refinement):
     """Root mean square difference of the shapes of the velocity in three columns."""
-    gaps = [velocity_shape(t, case, x) - velocity_shape(t, other, x) for x in STATIONS]
+    gaps = [
+        velocity_shape(t, case, x, refinement) - velocity_shape(t, other, x, refinement)
+        for x in STATIONS
+    ]
     return float(np.sqrt(np.mean(np.square(gaps))))

@@ -1,10 +1,13 @@
 """The paper, figure by figure: run every case, write the tables and the statements.
 
-    python -m runs.paper.study [PART …] [--workers 2] [--cell-size 0.006]
+    python -m runs.paper.study [PART …] [--workers 2] [--cell-size 0.006] [--finest 3]
 
-A part is a group of cases; default all. The runs stay below --out. The tables, `runs/paper/<group>/*.csv`, are
-written from them at the end, then `statements.csv` and `statements.md`. The figures follow from the tables:
-`python -m plots.paper`. Give another --out after a change of the solver.
+A part is a group of cases, on the bed on which grains slide or on a rough one (`rough/<group>`,
+`rough_thin_layer/<group>`), or `finer`: cases behind a statement that cannot be told, on finer grids until it is
+decided or the grid is --finest times finer. Default all. The runs stay below --out. The tables,
+`runs/paper/<part>/*.csv` (of `finer` also `<bed>/finer`), are written from them, then `statements.csv` and
+`statements.md`. The figures follow from the tables: `python -m plots.paper`. Give another --out after a change of the
+solver.
 """
 
 import multiprocessing
@@ -16,36 +19,59 @@ from functools import partial
 from tqdm import tqdm
 
 from runs.paper import statements
-from runs.paper.cases import GROUPS, SENSITIVITIES, runs
+from runs.paper.beds import BEDS, FINER, finer_runs, parts, runs
+from runs.paper.cases import SENSITIVITIES
+from runs.paper.finer import finer
 from runs.paper.members import rows_of_run
 from runs.study import Study, run_in_folders
 from runs.study import main as call
-from runs.table import CURVE, CURVES, LABELS, RUN, SCALARS, write_table
+from runs.table import CURVE, CURVES, LABELS, REFINEMENTS, RUN, SCALARS, write_table
 
 
-def do_groups(options):
-    """Run the groups that are asked for, and write all that follows; return a line for each missing run."""
+def do_parts(options):
+    """Run what is asked for, and write all that follows; return a line for each missing run."""
     wanted = runs(options.parts, options.cell_size)
-    run_in_folders({options.out / run: about[-1] for run, about in wanted.items()}, options.workers)
-    missing = write_tables(wanted, options)
-    statements.main(options.tables)
-    return missing
+    missing = run_and_write(wanted, options) if wanted else []
+    if FINER in options.parts:
+        for bed in BEDS:  # chosen anew
+            write_table(options.tables / bed / FINER / SCALARS, [], RUN)
+            write_table(options.tables / bed / FINER / CURVES, [], (*RUN, *CURVE))
+    settled, tables = statements.main(options.tables)
+    return missing + (refine(settled, tables, options) if FINER in options.parts else [])
+
+
+def refine(settled, tables, options):
+    """Run the cases behind statements that cannot be told on finer and finer grids; return what is missing."""
+    chosen, missing = [], []
+    while True:
+        more = [key for key in finer(settled, tables, options.finest) if key not in chosen]
+        if not more:
+            return missing
+        chosen += more
+        missing = run_and_write(finer_runs(chosen, options.cell_size), options)
+        settled, tables = statements.main(options.tables)
+
+
+def run_and_write(wanted, options):
+    """Run what is not finished, and write the tables; return a line for each missing run."""
+    run_in_folders({options.out / at: run.case for at, run in wanted.items()}, options.workers)
+    return write_tables(wanted, options)
 
 
 def write_tables(wanted, options):
     """Write the tables of the groups; return a line for each run that is missing."""
     missing, of_group = [], {}
     found = extracted(wanted, options.out, options.workers)
-    for (group, *_), (row, lines, problem) in zip(wanted.values(), found, strict=True):
+    for run, (row, lines, problem) in zip(wanted.values(), found, strict=True):
         if problem:
             missing.append(problem)
             continue
-        numbers, curves = of_group.setdefault(group, ([], []))
+        numbers, curves = of_group.setdefault((run.bed, run.group), ([], []))
         numbers.append(row)
         curves += lines
-    for group, (numbers, curves) in of_group.items():
-        write_table(options.tables / group / SCALARS, numbers)
-        write_table(options.tables / group / CURVES, curves, (*RUN, *CURVE))
+    for (bed, group), (numbers, curves) in of_group.items():
+        write_table(options.tables / bed / group / SCALARS, numbers)
+        write_table(options.tables / bed / group / CURVES, curves, (*RUN, *CURVE))
         if group == "sensitivity":
             write_labels(options.tables / group / LABELS)
     return missing
@@ -61,7 +87,7 @@ def write_labels(path):
 
 def extracted(wanted, out, workers):
     """What `rows_of_run` gives for each run, in their order, with a bar."""
-    jobs = [(out / run, *about) for run, about in wanted.items()]
+    jobs = [(out / at, run) for at, run in wanted.items()]
     with ExitStack() as stack:
         bar = stack.enter_context(tqdm(total=len(jobs), unit="table row"))
         over = map
@@ -73,14 +99,26 @@ def extracted(wanted, out, workers):
             yield found
 
 
+def add_options(parser):
+    """Add the option of this study."""
+    parser.add_argument(
+        "--finest",
+        type=float,
+        default=REFINEMENTS[-1],
+        metavar="R",
+        help="cell size over that of the finest grid that may be chosen; default 3",
+    )
+
+
 STUDY = Study(
     "paper",
     __doc__,
-    GROUPS,
+    dict.fromkeys([*parts(), FINER]),
     uses=("cell_size",),
     cell_size=0.006,
     all_parts=True,
-    together=do_groups,
+    together=do_parts,
+    add_options=add_options,
 )
 main = partial(call, STUDY)
 

@@ -8,6 +8,7 @@ one is not, and cannot be told otherwise, nor without any clause.
 import math
 from typing import NamedTuple
 
+from runs.measured import Measured
 from runs.table import MissingRun
 
 FEW = 6  # clauses that are listed one by one
@@ -21,7 +22,7 @@ class Clause(NamedTuple):
     ----------
     label : str
         Which case, in a word or two.
-    value, uncertainty : float
+    measured : Measured
         NaN: not measured; with an uncertainty that is not known, "?", one cannot tell.
     sense : str
         "above", "below" or "within".
@@ -30,11 +31,26 @@ class Clause(NamedTuple):
     """
 
     label: str
-    value: float
-    uncertainty: float
+    measured: Measured
     sense: str
     limit: float | tuple
     unit: str = ""
+
+    @property
+    def value(self):
+        """The number."""
+        return self.measured.value
+
+    @property
+    def uncertainty(self):
+        """Its grid uncertainty."""
+        return self.measured.uncertainty
+
+    @property
+    def needed(self):
+        """The uncertainty below which one could tell: the distance to the nearest limit."""
+        limits = self.limit if isinstance(self.limit, tuple) else (self.limit,)
+        return min(abs(self.value - limit) for limit in limits)
 
     @property
     def verdict(self):
@@ -135,12 +151,18 @@ def span(clauses):
 
 
 class Claim(NamedTuple):
-    """A statement still to be measured: `measure(tables)` gives its clauses, or (clauses, also)."""
+    """A statement still to be measured: `measure(tables)` gives its clauses, or (clauses, also).
+
+    `front`: it reads the front, so that its answer may hang on the thickness that counts. `on_beds`: it is no
+    statement about the bed itself, nor about what is not in the tables, so that other beds may answer otherwise.
+    """
 
     place: str
     claim: str
     criterion: str
     measure: object
+    front: bool = False
+    on_beds: bool = True
 
     def statement(self, tables):
         """The `Statement` from the tables; without clauses where a run is missing."""
@@ -156,9 +178,9 @@ def claims():
     """An empty list and the decorator that adds a measure to it."""
     listed = []
 
-    def claim(place, text, criterion):
+    def claim(place, text, criterion, front=False, on_beds=True):
         def add(measure):
-            listed.append(Claim(place, text, criterion, measure))
+            listed.append(Claim(place, text, criterion, measure, front, on_beds))
             return measure
 
         return add
