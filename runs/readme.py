@@ -17,7 +17,7 @@ from fvcollapse.files.atomic import write_atomic
 from runs.readme_blind import blind_scores
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
-from runs.readme_reports import diagnosis_example, runouts, verification
+from runs.readme_reports import diagnosis_example, laboratories, runouts, verification
 
 ROOT = Path(__file__).parents[1]
 COMMAND = "python -m runs.readme"
@@ -34,6 +34,7 @@ PARTS = {
     "cost-sweeps": cost_of_sweeps,
     "cost-effects": cost_of_effects,
     "runouts": runouts,
+    "laboratories": laboratories,
 }
 PART = re.compile(r"<!-- begin: (?P<command>[^\n]*) -->\n(?P<body>.*?)<!-- end -->\n", re.DOTALL)
 
