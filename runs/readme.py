@@ -18,7 +18,7 @@ from runs.readme_blind import blind_scores
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
 from runs.readme_paper import statements_by_verdict
-from runs.readme_reports import diagnosis_example, runouts, verification
+from runs.readme_reports import diagnosis_example, laboratories, runouts, verification
 from runs.readme_stamps import made_by
 
 ROOT = Path(__file__).parents[1]
@@ -38,6 +38,7 @@ PARTS = {
     "runouts": runouts,
     "stamps": made_by,
     "paper": statements_by_verdict,
+    "laboratories": laboratories,
 }
 PART = re.compile(r"<!-- begin: (?P<command>[^\n]*) -->\n(?P<body>.*?)<!-- end -->\n", re.DOTALL)
 

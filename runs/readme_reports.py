@@ -48,6 +48,45 @@ def pair(rows, name, form, unit):
     return " / ".join(format(float(row[name]), form) for row in rows) + f" {unit}"
 
 
+# -- laboratories --------------------------------------------------------------------------------
+
+
+def laboratories():
+    """What a diagnosis says of real laboratories, beside what is known of them."""
+    answers = stored("laboratories", "answers.json")
+    heading = (
+        "laboratory",
+        "what is known",
+        "called",
+        "right",
+        "impossible",
+        "in the set",
+        "closes most, of the gap",
+    )
+    lines = [
+        (
+            f"`{row['laboratory']}`",
+            answers[row["laboratory"]]["known"],
+            f"{row['called']} {float(row['probability']):.2f}",
+            f"{row['right']} {float(row['of_the_right']):.2f}" if row["right"] else "–",
+            f"{float(row['of_the_impossible']):.2f}",
+            row["names_in_set"],
+            closing(row),
+        )
+        for row in read_table(RUNS / "laboratories" / "answers.csv")
+    ]
+    return table(heading, lines)
+
+
+def closing(row):
+    """The model that closes most of a gap, and how much of it."""
+    if not row["closes_most"]:
+        return "no model was run"
+    held_out = row["closed_held_out"]
+    more = f"; {100 * float(held_out):.0f} % of that held out" if held_out else ""
+    return f"{row['closes_most']}, {100 * float(row['closed']):.0f} %{more}"
+
+
 def diagnosis_example():
     """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
     report = read_report(RUNS / EXAMPLE)

@@ -6,9 +6,11 @@ martin2017/<slope>_<width> into --tables.
 """
 
 import math
+import re
 
+from fvcollapse.case.grammar import toml_value
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.measure.curves import Scalar, scalars_text
+from fvcollapse.measure.curves import Scalar, curve_text, scalars_text
 from fvcollapse.measure.digitised import settings_text
 from fvcollapse.measure.experiment import SETTINGS, load_experiment
 from runs.table import read_table
@@ -34,6 +36,7 @@ SALTATION = 0.02  # m; error of the runout stated there
 # s; a film shows no motion long before nothing is faster than 1 mm/s: in the reference collapse of this
 # solver (runs/collapse_22deg_w10cm.toml) the front is in place at 1.76 s, and that speed reached at 2.40 s
 LAST_GRAINS = 0.6
+REASON = re.compile(r"(?<=standard deviation of )(\w+) \(.*\)$")
 
 
 def convert(options):
@@ -158,22 +161,25 @@ def measured(**pairs):
     return [Scalar(name, *pair, "value") for name, pair in pairs.items() if pair is not None]
 
 
-def write(folder, settings, scalars):
-    """Write an experiment folder, and read it back."""
+def write(folder, settings, scalars, curves=None):
+    """Write an experiment folder, and read it back; `curves`: {name: rows of `curves.curve_text`}."""
     rounded = {
         name: float(f"{value:.6g}") if isinstance(value, float) else value
         for name, value in settings.items()
     }
-    text = settings_text([f"{name}={value}" for name, value in rounded.items()], folder / SETTINGS)
+    stated = [f"{name}={toml_value(value)}" for name, value in rounded.items()]
+    text = settings_text(stated, folder / SETTINGS)
     folder.mkdir(parents=True, exist_ok=True)
     write_atomic(folder / SETTINGS, stated_lines(text).encode())
     write_atomic(folder / "scalars.csv", scalars_text(scalars).encode())
+    for name, rows in (curves or {}).items():
+        write_atomic(folder / f"{name}.csv", curve_text(name, rows).encode())
     load_experiment(folder)
     print(folder)
 
 
 def stated_lines(text):
-    """The text without the keys that are not stated, and without empty sections."""
-    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    """The text without the keys that are not stated, empty sections, and reasons for defaults of [uncertainty]."""
+    lines = [REASON.sub(r"\1", line) for line in text.splitlines() if not line.startswith("#")]
     sections = "\n".join(lines).strip().split("\n\n")
     return "\n\n".join(section for section in sections if "=" in section) + "\n"

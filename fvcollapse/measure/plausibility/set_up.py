@@ -27,6 +27,7 @@ COARSEST = 4.0  # grains in the smaller side of a column: below, no continuum
 LIGHTEST = 100.0  # kg/m3; below are beads of expanded polystyrene alone
 PACKED = (0.4, 0.91)  # solid fraction: fine powder, discs in a plane
 NARROWEST = 3.0  # grains in the width of a channel
+ROUND_OFF = 1.0e-9  # relative: a slot of just as many grains is no narrower
 FASTEST_GATE = 50.0  # m/s; gates in print: 1 to 3.5
 THICKEST_FRONT = 1.0 / 3.0  # of the column
 ASPECT = 100.0  # of a column or its inverse; 0.1 to 20 in print
@@ -116,7 +117,7 @@ def grains_against_column(experiment: "Experiment") -> Iterator[Finding]:
         likely = "in mm instead of m?" if grain >= side else ""
         yield Finding(severity, FILE, key, f"{grain:g} m", allowed, likely)
     width = geometry.channel_width
-    if width is not None and width < NARROWEST * grain:
+    if width is not None and width < NARROWEST * grain * (1.0 - ROUND_OFF):
         severity = ERROR if width < grain else WARNING
         found, allowed = f"{width:g} m", f">= {NARROWEST:g} grain diameters of {grain:g} m"
         yield Finding(severity, FILE, "geometry.channel_width", found, allowed)
