@@ -81,7 +81,7 @@ def lines(tasks, everything=TASKS, root=ROOT):
 # -- remaking ------------------------------------------------------------------------------------
 
 
-def remake(task, options, root=ROOT):
+def remake(task, options, tasks=TASKS, root=ROOT):
     """Run a task, replace the files that it makes, and stamp them; a line if it did not succeed."""
     if task.needs_data and options.data is None:
         return f"{task.name}: needs --data"
@@ -89,6 +89,9 @@ def remake(task, options, root=ROOT):
     tables = place / "tables"
     for pattern in task.makes if not task.reads else ():
         (tables / pattern.removeprefix("runs/")).parent.mkdir(parents=True, exist_ok=True)
+    lacking = prepare(task, tables, tasks, root)
+    if lacking:
+        return f"{task.name}: needs {', '.join(lacking)}"
     status = call(task, place, tables, options, root)
     if status:
         return f"{task.name}: exit status {status}; the same command goes on"
@@ -100,6 +103,19 @@ def remake(task, options, root=ROOT):
         about |= {"code": solver_version(), "cpu_s": spent(place, task)}
     write_stamps(root, made, about)
     return ""
+
+
+def prepare(task, tables, tasks, root):
+    """Put the tables that a task reads beside those that it makes; the names of tasks that have to be done first."""
+    before = [of for of in tasks if of.name in task.after]
+    lacking = [of.name for of in before if not fresh(of, tasks, root)]
+    if lacking:
+        return lacking
+    for name in (name for of in before for name in files_of(of.makes, root)):
+        target = tables / name.removeprefix("runs/")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(root / name, target)
+    return []
 
 
 def call(task, place, tables, options, root):

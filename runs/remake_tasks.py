@@ -25,6 +25,8 @@ class Task(NamedTuple):
         Last known cost.
     reads : tuple of str
         Files that it follows from, without runs of its own; then it writes to `makes` at once.
+    after : tuple of str
+        Names of tasks whose tables it reads below {tables}, beside making its own.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Task(NamedTuple):
     effects: tuple | None = None
     cpu_s: float = 0.0
     reads: tuple = ()
+    after: tuple = ()
 
     @property
     def needs_data(self):
@@ -121,7 +124,8 @@ def paper(part, cpu_s):
     makes = [f"{folder}/{table}.csv" for folder in folders for table in ("scalars", "curves")]
     makes += [f"{part}/labels.csv"] if part == "sensitivity" else []
     effects = THIN if part.startswith(("rough_thin_layer", "finer")) else WALLS
-    return study("paper", part, makes, effects, cpu_s)
+    before = tuple(f"paper {of}" for of in PAPER_PARTS if of != part) if part == "finer" else ()
+    return study("paper", part, makes, effects, cpu_s)._replace(after=before)
 
 
 TASKS = (

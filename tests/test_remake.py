@@ -54,8 +54,8 @@ def small(tmp_path, monkeypatch):
     return tmp_path, (table, figure), version
 
 
-def do(task, root):
-    return remake.remake(task, argparse.Namespace(data=None, workers=1), root)
+def do(task, root, tasks=()):
+    return remake.remake(task, argparse.Namespace(data=None, workers=1), tasks, root)
 
 
 def states_of(tasks, root):
@@ -93,6 +93,25 @@ def test_a_task_that_fails_replaces_nothing_and_its_cost_adds_up(small):
     assert do(table, root) == ""
     again = stamps.read_stamps(root)["runs/study/a.csv"]["cpu_s"]
     assert again > first["runs/study/a.csv"]["cpu_s"]
+
+
+def test_a_task_has_the_tables_of_those_before_it(small):
+    root, (table, _), version = small
+    second = table._replace(
+        name="second",
+        command=("writer", "{tables}/second/b.csv", "7", "0"),
+        makes=("runs/second/*.csv",),
+        after=("study",),
+    )
+    tasks = (table, second)
+    assert do(second, root, tasks) == "second: needs study"
+    assert do(table, root, tasks) == ""
+    for path in root.glob("out/remake/*/tables/study/a.csv"):
+        path.unlink()  # made elsewhere
+    assert do(second, root, tasks) == ""
+    assert len(list(root.glob("out/remake/1/tables/*/*.csv"))) == 2
+    version["now"] = "2"
+    assert do(second, root, tasks) == "second: needs study"
 
 
 def test_a_task_that_needs_data_is_named(small):
