@@ -34,7 +34,8 @@ def draw(of):
         axes[0, 0].errorbar([slope], [value], [error], uplims=bound, **style)
     axes[0, 0].set_ylabel("runout from the back wall (m)")
     key(axes[0, 0], {f"{mm} mm": {"color": c} for mm, c in FRONTS.items()}, loc="upper left")
-    beds = {WORDS[bed]: {"color": "black", "ls": line} for bed, line in LINES.items()}
+    run = [bed for bed in BEDS if Tables(of.folder / bed).scalars]
+    beds = {WORDS[bed]: {"color": "black", "ls": LINES[bed]} for bed in run}
     key(axes[0, 1], beds, loc="upper left")
     save(figure, "paper_beds", of, CAPTION, ("lateral_friction", "rough*/lateral_friction"))
 
