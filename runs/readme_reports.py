@@ -7,11 +7,13 @@ from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report.sentences import answer, headline
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
+from runs.laboratories.study import LABORATORIES
 from runs.readme_tables import stored, table
 from runs.table import RUNS, read_table
 
 EXAMPLE = Path("particle_laboratory") / "labelled" / "lateral_walls_16deg"
 TEXT_WIDTH = 100
+NOT_ASKED = ("not asked yet", "–", "–", "–", "–")
 
 
 # -- verification and collapses ------------------------------------------------------------------
@@ -53,7 +55,7 @@ def pair(rows, name, form, unit):
 
 def laboratories():
     """What a diagnosis says of real laboratories, beside what is known of them."""
-    answers = stored("laboratories", "answers.json")
+    rows = {row["laboratory"]: row for row in read_table(RUNS / "laboratories" / "answers.csv")}
     heading = (
         "laboratory",
         "what is known",
@@ -64,18 +66,21 @@ def laboratories():
         "closes most, of the gap",
     )
     lines = [
-        (
-            f"`{row['laboratory']}`",
-            answers[row["laboratory"]]["known"],
-            f"{row['called']} {float(row['probability']):.2f}",
-            f"{row['right']} {float(row['of_the_right']):.2f}" if row["right"] else "–",
-            f"{float(row['of_the_impossible']):.2f}",
-            row["names_in_set"],
-            closing(row),
-        )
-        for row in read_table(RUNS / "laboratories" / "answers.csv")
+        (f"`{name}`", one.known, *(answer_cells(rows[name]) if name in rows else NOT_ASKED))
+        for name, one in LABORATORIES.items()
     ]
     return table(heading, lines)
+
+
+def answer_cells(row):
+    """Cells of an answer: what is called, the right and the impossible causes, the set, what closes the gap."""
+    return (
+        f"{row['called']} {float(row['probability']):.2f}",
+        f"{row['right']} {float(row['of_the_right']):.2f}" if row["right"] else "–",
+        f"{float(row['of_the_impossible']):.2f}",
+        row["names_in_set"],
+        closing(row),
+    )
 
 
 def closing(row):
