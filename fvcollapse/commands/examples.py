@@ -1,11 +1,13 @@
 """`examples`: the case and the experiments that come with the package."""
 
+from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.commands.arguments import add_force
 
 
-def add_parser(commands):
+def add_parser(commands: Any) -> None:
     """Add `examples` to the commands."""
     parser = commands.add_parser(
         "examples",
@@ -24,7 +26,7 @@ def add_parser(commands):
     parser.set_defaults(command=execute)
 
 
-def execute(arguments):
+def execute(arguments: Namespace) -> int:
     """Write the case and the experiments of the READMEs into FOLDER/runs, where their commands expect them."""
     from fvcollapse.files.atomic import write_atomic
     from fvcollapse.files.shipped import shipped_files

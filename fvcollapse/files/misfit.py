@@ -5,8 +5,9 @@ and, in words for a person, why not; it gives no place that a program can use. S
 first part that does not fit.
 """
 
+from collections.abc import Iterator
 from types import UnionType
-from typing import Annotated, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import msgspec
 
@@ -31,7 +32,7 @@ class Misfit(NamedTuple):
     form: object
 
 
-def first_misfit(value, form):
+def first_misfit(value: Any, form: Any) -> Misfit | None:
     """The `Misfit` of plain values against a form, in the order of the values; None if all fit.
 
     Where every part of a table or a list fits, it is at fault as a whole: a key is missing, or its length is wrong.
@@ -45,7 +46,7 @@ def first_misfit(value, form):
     return Misfit((), value, form)
 
 
-def fits(value, form):
+def fits(value: Any, form: Any) -> bool:
     """Whether a value has the form."""
     if form is UNKNOWN:
         return False
@@ -56,7 +57,7 @@ def fits(value, form):
     return True
 
 
-def parts(value, form):
+def parts(value: Any, form: Any) -> Iterator[tuple[Any, Any, Any]]:
     """(step, value, form) of everything directly inside a table or a list."""
     field, tags = tags_of(form)
     form = chosen(value, form)
@@ -78,7 +79,7 @@ def parts(value, form):
             yield from zip(range(len(inner)), value, inner, strict=False)
 
 
-def chosen(value, form):
+def chosen(value: Any, form: Any) -> Any:
     """The form that a value is meant to have: bare of its range, and one of several."""
     forms = [bare(inner) for inner in alternatives(form)]
     if len(forms) == 1:
@@ -86,12 +87,12 @@ def chosen(value, form):
     return next((inner for inner in forms if is_meant(value, inner)), NONE)
 
 
-def alternatives(form):
+def alternatives(form: Any) -> tuple:
     """The forms of which a value may have one, with their ranges."""
     return get_args(form) if get_origin(form) in (Union, UnionType) else (form,)
 
 
-def tags_of(form):
+def tags_of(form: Any) -> tuple[str, tuple]:
     """(name of the key, its values) that tell several structs apart; ("", ()) where none does."""
     structs = [inner for inner in get_args(form) if is_struct(inner)]
     tags = tuple(inner.__struct_config__.tag for inner in structs)
@@ -100,12 +101,12 @@ def tags_of(form):
     return structs[0].__struct_config__.tag_field, tags
 
 
-def bare(form):
+def bare(form: Any) -> Any:
     """A form without its range."""
     return get_args(form)[0] if get_origin(form) is Annotated else form
 
 
-def is_meant(value, form):
+def is_meant(value: Any, form: Any) -> bool:
     """Whether a table or a list is meant to have a form: that of its tag, where forms have tags."""
     if is_struct(form):
         config = form.__struct_config__
@@ -116,6 +117,6 @@ def is_meant(value, form):
     return kind is not None and isinstance(value, kind)
 
 
-def is_struct(form):
+def is_struct(form: Any) -> bool:
     """Whether a form is a struct."""
     return isinstance(form, type) and issubclass(form, msgspec.Struct)

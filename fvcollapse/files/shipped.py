@@ -1,5 +1,6 @@
 """The case and the experiments that come with the package: `runs` of a checkout, `examples` of an installed copy."""
 
+from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,7 +10,7 @@ PARTS = ("collapse_22deg_w10cm.toml", "experiments")  # as the wheel has them, s
 KINDS = (".toml", ".csv", ".md")
 
 
-def shipped_files():
+def shipped_files() -> dict[Path, Path]:
     """{path below `runs`: Path of the file} of everything that is shipped, in the order of the names.
 
     Raises
@@ -24,6 +25,6 @@ def shipped_files():
     return {path.relative_to(folder): path for path in sorted(found)}
 
 
-def everything(path):
+def everything(path: Path) -> Iterable[Path]:
     """A file itself, or all files below a folder."""
     return path.rglob("*") if path.is_dir() else [path] if path.is_file() else []

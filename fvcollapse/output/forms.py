@@ -21,7 +21,7 @@ from fvcollapse.files.misfit import (
     tags_of,
 )
 
-KINDS = {
+KINDS: dict[Any, str] = {
     inspect.FloatType: "a number",
     inspect.IntType: "a whole number",
     inspect.StrType: "text",
@@ -72,8 +72,9 @@ def allowed_by(value: Any, form: Any) -> str:
     size = len(value) if isinstance(value, str | list | dict) else value
     limits = [f"{sign} {exact(limit)}" for sign, limit in exceeded(info, LIMITS, size)]
     lengths = [f"of length {sign} {limit}" for sign, limit in exceeded(info, LENGTHS, size)]
-    if not (limits or lengths) and getattr(info, "pattern", None):
-        return f"{kind} matching regex {info.pattern!r}"
+    pattern = getattr(info, "pattern", None)
+    if not (limits or lengths) and pattern:
+        return f"{kind} matching regex {pattern!r}"
     return " ".join([kind, *limits, *lengths])
 
 

@@ -147,7 +147,7 @@ def check_commands(name, count, seed, folder, monkeypatch, capsys):
     monkeypatch.setattr(output, "Simulation", no_computation)
     monkeypatch.setattr("fvcollapse.diagnosis.diagnose.analyse", no_computation)
     monkeypatch.setattr("fvcollapse.blind.make.compute", no_computation)
-    monkeypatch.setattr("fvcollapse.draw.pictures.animation", lambda result: b"")
+    monkeypatch.setattr("fvcollapse.draw.pictures.animation", lambda result, look: b"")
     (folder / "empty.toml").write_text("")
     (folder / "case.toml").write_text(seed.case.to_toml())
     statuses = set()

@@ -229,8 +229,8 @@ def test_a_training_suite_holds_every_class(monkeypatch):
     ((count, _, _, draw, _),) = calls
     assert count == len(classes) > BATCH
     assert draw.classes == classes
-    assert draw.style is TRAINING
-    assert draw.style is not BLIND
+    assert draw.style == TRAINING
+    assert draw.style != BLIND
     assert all(classes.count(name) == 10 for name in known_effects())
     assert classes.count("none") == 40
     assert classes.count("unknown") == 30

@@ -252,7 +252,9 @@ def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monke
     calls.extend([None] * 5)  # past the interruption
     runner = Runner(tmp_path)
     found = build_library(question, runner, ["cohesion"], draws=4)
-    assert len(runner.asked) == 2 + 4 + 5
+    assert (
+        len(runner.asked) == 2 + 4 + 8
+    )  # grids, draws, levels of cohesion and one on the finer grid
     assert len(runner.computed) == len(calls) - 5 == 11 - 4
     again = Runner(tmp_path)
     same = build_library(question, again, ["cohesion"], draws=4)
@@ -310,15 +312,19 @@ def test_a_gap_held_out_that_does_not_shrink_confirms_nothing(by_formula, folder
 
 
 @pytest.mark.parametrize(
-    "lacking", ["nothing", "controls", "values", "effects", "model", "fine cells"]
+    "lacking", ["nothing", "no controls", "values", "effects", "model", "fine cells"]
 )
 def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
     layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
     loaded = None if lacking == "model" else layer
-    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(lambda controls=False: loaded))
+    asked = []
+    load = lambda controls: asked.append(controls) or loaded  # noqa: E731
+    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(load))
     kind = np.full(20 if lacking == "values" else 200, "value")
-    controls = (object(),) if lacking == "controls" else ()
+    controls = () if lacking == "no controls" else (object(),)  # each has a layer
     question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})
     points = SimpleNamespace(kind=kind)
     analysis = SimpleNamespace(controls=controls, points=points, evidence=None, question=question)
-    assert module.verdict_model_for(analysis) is (layer if lacking == "nothing" else None)
+    expected = layer if lacking in ("nothing", "no controls") else None
+    assert module.verdict_model_for(analysis) is expected
+    assert all(each == bool(controls) for each in asked)

@@ -116,6 +116,8 @@ def pulled(mu_gate, speed):
         "push": dz * (sum(pushed) - 0.5 * pushed[0]),
         "bed": dx * sum(bed_reaction(*stress, i, gz, 1550.0, dz) for i in range(column)),
         "back_wall": -dz * (work.k_wall @ state.w[0]),
+        # what `side_shear` adds at the back wall and the gate, which carry it beside their friction
+        "side": dx * dz * work.side.sum(),
         "weight": -1550.0 * gz * geometry.filled.sum() * dx * dz,
     }
 
@@ -127,8 +129,9 @@ def test_a_gate_pulled_past_the_grains_carries_its_friction_of_their_weight(mu_g
     force = pulled(mu_gate, speed)
     assert force["push"] > 0.3 * force["weight"]
     assert force["drag"] == pytest.approx(mu_gate * force["push"], rel=1e-3)  # of the sweeps
-    carried = force["bed"] + force["drag"] + force["back_wall"]
+    carried = force["bed"] + force["drag"] + force["back_wall"] + force["side"]
     assert carried == pytest.approx(force["weight"], rel=1e-4)
+    assert abs(force["side"]) < 6e-4 * force["weight"]  # a limit of `side_shear` at walls
 
 
 def test_the_energy_budget_is_closed_with_a_rubbing_gate():

@@ -108,7 +108,8 @@ def test_block_that_slides_has_the_friction_of_its_thickness():
 
 
 def test_a_collapse_is_shortened_the_more_the_longer_the_length():
-    lengths = ({"effects__thin_layer": {"length": length}} for length in (2.0, 8.0, 32.0))
+    # from 8 grains of 0.7 mm on: less is a fifth of a cell, and 2 grains move the centre by 0.1 % either way
+    lengths = ({"effects__thin_layer": {"length": length}} for length in (8.0, 16.0, 32.0))
     reached = [
         centre_of_mass(collapse(0.3, boundary__mu_bed=math.inf, **keys)) for keys in ({}, *lengths)
     ]

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 try:
     import resource
 except ImportError:  # not on Windows
-    resource = None
+    resource = None  # type: ignore[assignment]
 
 TERMS = {
     "move_surface": "surface",
