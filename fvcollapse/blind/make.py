@@ -142,7 +142,7 @@ def compute(plan, work, resources):
         for (owner, place), runs in places.items():
             for run, experiment in runs.items():
                 path = work / place / f"{run}.h5"
-                calls[owner, run] = (experiment["case"], experiment["forces"], path)
+                calls[owner, place, run] = (experiment["case"], experiment["forces"], path)
 
     def finished(call, outcome):
         if isinstance(outcome, NumericalError):

@@ -255,7 +255,7 @@ def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monke
     assert (
         len(runner.asked) == 2 + 4 + 8
     )  # grids, draws, levels of cohesion and one on the finer grid
-    assert len(runner.computed) == len(calls) - 5 == 11 - 4
+    assert len(runner.computed) == len(calls) - 5 == 14 - 4
     again = Runner(tmp_path)
     same = build_library(question, again, ["cohesion"], draws=4)
     assert not again.computed
