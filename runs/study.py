@@ -162,6 +162,17 @@ def refuse(key, found, allowed):
     raise InputError("command line", key, found, allowed)
 
 
+def one_of(key, names):
+    """The function that reads one of some names of an option; any other is refused."""
+
+    def read(name):
+        if name not in names:
+            refuse(key, name, ", ".join(names))
+        return name
+
+    return read
+
+
 # -- the runs ------------------------------------------------------------------------------------
 
 

@@ -31,7 +31,7 @@ from fvcollapse.diagnosis.report.standing import standing
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 from runs.cross_code.films import PEERS, write_experiment
-from runs.study import Study, refuse, run_cached
+from runs.study import Study, one_of, run_cached
 from runs.study import main as call
 from runs.table import write_table
 
@@ -214,14 +214,8 @@ def summary(answers):
 
 def add_options(parser):
     """The option of single questions."""
-    parser.add_argument("--only", nargs="+", type=known, metavar="QUESTION", help="of the null")
-
-
-def known(name):
-    """A question by name."""
-    if name not in QUESTIONS:
-        refuse("--only", name, ", ".join(QUESTIONS))
-    return name
+    only = one_of("--only", QUESTIONS)
+    parser.add_argument("--only", nargs="+", type=only, metavar="QUESTION", help="of the null")
 
 
 STUDY = Study(

@@ -28,7 +28,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 from runs.cross_code.study import DIAGNOSIS, called, called_name, digest_of
 from runs.laboratories.folders import folders
-from runs.study import Study, refuse
+from runs.study import Study, one_of
 from runs.study import main as call
 from runs.table import RUNS, write_table
 
@@ -250,14 +250,8 @@ def add_options(parser):
     """The options of the folders and of single laboratories."""
     where = {"type": Path, "metavar": "FOLDER", "default": EXPERIMENTS}
     parser.add_argument("--experiments", **where, help="folder of the experiment folders")
-    parser.add_argument("--only", nargs="+", type=known, metavar="NAME", help="of diagnose")
-
-
-def known(name):
-    """A laboratory by name."""
-    if name not in LABORATORIES:
-        refuse("--only", name, ", ".join(LABORATORIES))
-    return name
+    only = one_of("--only", LABORATORIES)
+    parser.add_argument("--only", nargs="+", type=only, metavar="NAME", help="of diagnose")
 
 
 STUDY = Study(
