@@ -4,10 +4,10 @@ import pytest
 
 from plots import laboratory_columns as figure
 from runs.laboratories import columns
-from runs.table import read_table, write_table
+from runs.table import RUNS, read_table, write_table
 
-FOLDER = columns.RUNS / "experiments" / columns.FOLDER
-STORED = columns.RUNS / "laboratories"
+FOLDER = RUNS / "experiments" / columns.FOLDER
+STORED = RUNS / "laboratories"
 TRUTH = 0.7
 
 

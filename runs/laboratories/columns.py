@@ -1,9 +1,9 @@
 """Columns of glass beads between walls: the gap of the model on real grains, and how far one friction closes it.
 
-The part `columns` of the study. Each of the 28 columns of `lajeunesse2005` runs with the constants that its folder states,
-with and without the friction of the lateral walls that was measured, and with the friction of the grains at rest
-multiplied by `FACTORS` (mu_2 - mu_1 stays). One factor for all columns is fitted to the run-outs and final heights; every third
-column, in the order of aspect ratio, is held out.
+The part `columns` of the study. Each of the 28 columns of `lajeunesse2005` runs with the constants that its folder
+states, with and without the measured friction of the lateral walls, and with the friction of the grains at rest
+multiplied by `FACTORS` (mu_2 - mu_1 stays). One factor for all columns is fitted to the run-outs and final heights.
+Every third column, in the order of aspect ratio, is held out.
 
 Writes columns.csv (each measured number beside the computed ones) and columns_fit.csv.
 """
