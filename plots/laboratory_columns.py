@@ -26,8 +26,7 @@ WORDS = {"absent": "walls without friction", "measured": "measured friction of t
 CAPTION = """\
 Twenty-eight columns of glass beads released between walls 45 mm apart (Lajeunesse et al. 2005, digitised; the size of
 the columns is an assumption), against aspect ratio. Open: the constants that the laboratory states, with and
-without the measured friction of the lateral walls; filled: one friction of the grains at rest for all columns, fitted
-to two columns of three ({fits}). Grey: one standard deviation of the measurement.
+without XX Grey: one standard deviation of the measurement.
 """
 
 
@@ -38,12 +37,13 @@ def panel(axes, rows, fits):
         aspect, measured, sigma = (
             np.array([float(row[name]) for row in own]) for name in ("aspect", "measured", "sigma")
         )
-        if walls == WALLS[0]:
+        if walls == "absent":
             axes.fill_between(
                 aspect, 1.0 - sigma / measured, 1.0 + sigma / measured, color=GREY, alpha=0.35, lw=0
             )
             axes.axhline(1.0, color=GREY, lw=1.0)
-        for factor, face in ((1.0, "none"), (float(fits[walls]["factor"]), COLOURS[walls])):
+        faces = {float(fits[walls]["factor"]): COLOURS[walls]} | {1.0: "none"}
+        for factor, face in faces.items():
             ratio = [computed(row, factor) / float(row["measured"]) for row in own]
             axes.plot(
                 aspect,
@@ -76,13 +76,11 @@ def main():
         axes.set_ylabel(LABELS[quantity])
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
-    words = ", ".join(
-        f"{WORDS[walls]}: {float(fit['factor']):.2f} of the measured one"
-        for walls, fit in fits.items()
-    )
     path = HERE / "figures" / "laboratory_columns.png"
     write_atomic(path, png(figure))
-    write_atomic(path.with_suffix(".txt"), CAPTION.format(fits=words).encode())
+    write_atomic(
+        path.with_suffix(".txt"), CAPTION.format(factor=float(fits["measured"]["factor"])).encode()
+    )
     print(path)
 
 

@@ -1,8 +1,8 @@
 """Columns of glass beads between walls: the gap of the model on real grains, and how far one friction closes it.
 
 The part `columns` of the study. Each of the 28 columns of `lajeunesse2005` runs with the constants that its folder
-states, with and without the measured friction of the lateral walls, and with the friction of the grains at rest
-multiplied by `FACTORS` (mu_2 - mu_1 stays). One factor for all columns is fitted to the run-outs and final heights.
+states, with and without the measured friction of the lateral walls; with it also with the friction of the grains
+at rest multiplied by `FACTORS` (mu_2 - mu_1 stays). One factor for all is fitted to run-outs and final heights.
 Every third column, in the order of aspect ratio, is held out.
 
 Writes columns.csv (each measured number beside the computed ones) and columns_fit.csv.
@@ -21,7 +21,10 @@ from runs.table import write_table
 
 FOLDER = "lajeunesse2005"
 FACTORS = (0.5, 0.75, 1.0)  # of mu_1
-WALLS = ("absent", "measured")  # friction of the lateral walls
+WALLS = {
+    "absent": (1.0,),
+    "measured": FACTORS,
+}  # friction of the lateral walls: factors that are run
 QUANTITIES = ("runout", "final_height")
 EVERY, FIRST = 3, 1  # columns that are held out: every third, from the second on
 
@@ -35,7 +38,7 @@ class Column(NamedTuple):
 
 
 def columns(options):
-    """Run all columns, fit the one factor with and without walls, and write both tables."""
+    """Run all columns, fit the one factor, and write both tables."""
     found = read_columns(options.experiments / FOLDER)
     results = run_cached(cases_of(found, options.cell_size), options)
     rows = [row for column in found for row in rows_of(column, results)]
@@ -64,7 +67,7 @@ def cases_of(found, cell_size):
         (column.name, walls, factor): changed(given[column.name], column.experiment, walls, factor)
         for column in found
         for walls in WALLS
-        for factor in FACTORS
+        for factor in WALLS[walls]
     }
 
 
@@ -85,7 +88,7 @@ def rows_of(column, results):
         for walls in WALLS:
             seen = [
                 observe(results[column.name, walls, factor], column.experiment).scalars[number.name]
-                for factor in FACTORS
+                for factor in WALLS[walls]
             ]
             yield {
                 "column": column.name,
@@ -106,7 +109,7 @@ def rows_of(column, results):
 
 
 def fit(rows, walls):
-    """The factor that fits the columns that are not held out, and the gap before and after."""
+    """The gap before and after a fit of the factor to the columns that are not held out; 1 where no other was run."""
     own = [row for row in rows if row["walls"] == walls]
     names = sorted({(row["aspect"], row["column"]) for row in own})
     held_out = {name for _, name in names[FIRST::EVERY]}
@@ -114,12 +117,7 @@ def fit(rows, walls):
         "fitted": [row for row in own if row["column"] not in held_out],
         "held_out": [row for row in own if row["column"] in held_out],
     }
-    best = minimize_scalar(
-        lambda factor: rms(parts["fitted"], factor),
-        bounds=(min(FACTORS), max(FACTORS)),
-        method="bounded",
-    )
-    factor = float(best.x)
+    factor = best_factor(parts["fitted"]) if len(WALLS[walls]) > 1 else 1.0
     row = {"walls": walls, "factor": round(factor, 3), "columns": len(names)}
     for part, of in parts.items():
         before, after = rms(of, 1.0), rms(of, factor)
@@ -132,8 +130,18 @@ def fit(rows, walls):
     return row
 
 
+def best_factor(rows):
+    """The factor with the least gap."""
+    between = (min(FACTORS), max(FACTORS))
+    return float(
+        minimize_scalar(lambda factor: rms(rows, factor), bounds=between, method="bounded").x
+    )
+
+
 def computed(row, factor):
-    """The computed number of a row at a factor between those that were run."""
+    """The computed number of a row at a factor that was run, or between those that were."""
+    if factor == 1.0:
+        return float(row["computed_1"])
     values = [float(row[f"computed_{each:g}"]) for each in FACTORS]
     return float(CubicSpline(FACTORS, values)(factor))
 
