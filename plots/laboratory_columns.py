@@ -26,8 +26,8 @@ WORDS = {"absent": "walls without friction", "measured": "measured friction of t
 CAPTION = """\
 Twenty-eight columns of glass beads released between walls 45 mm apart (Lajeunesse et al. 2005, digitised; the size of
 the columns is an assumption), against aspect ratio. Open: the constants that the laboratory states, with and
-without the measured friction of the lateral walls. Filled, with it: {factor:.2f} of the stated friction of the grains at
-rest in all columns, fitted to two columns of three. Grey: one standard deviation of the measurement.
+without the measured friction of the lateral walls. Filled, with it: {factor:.2f} of the stated friction of the grains
+at rest in all columns, fitted to two columns of three. Grey: one standard deviation of the measurement.
 """
 
 
