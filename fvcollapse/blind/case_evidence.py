@@ -38,7 +38,7 @@ class RememberingRunner(Runner):
 
     def observations(
         self, wanted: "Mapping[Any, tuple[Experiment, Case]]", phase: str = ""
-    ) -> "tuple[dict[Any, Observations], dict[Any, NumericalError]]":
+    ) -> "tuple[dict[Any, Observations], dict[Any, FvcollapseError]]":
         """See `Runner.observations`."""
         keys = {
             label: (case, experiment.front_thickness, experiment.time_origin)
