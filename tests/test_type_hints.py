@@ -12,7 +12,7 @@ import fvcollapse
 
 PACKAGE = Path(fvcollapse.__file__).parent
 KERNELS = ("step", "march.py", "measure/pile.py", "measure/series_row.py")  # their text is compiled
-WITHOUT = ("blind", "diagnosis", "effects")  # so far
+WITHOUT = ("blind", "effects")  # so far
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 HINTED = [
     name

@@ -49,11 +49,10 @@ def report_of(
     model : VerdictModel, optional
         What the verdict was made with.
     """
-    held = ladder.held_out.points.experiments if ladder.held_out else ()
     upcoming = next_experiments(analysis, choices)
     return form.Report(
         experiments=[experiment.name for experiment in analysis.experiments],
-        held_out=[experiment.name for experiment in held],
+        held_out=[experiment.name for experiment in held_out_of(ladder)],
         baseline_case=analysis.question.baseline.to_toml(),
         where=region_parts(analysis.points, analysis.gap_map.regions, analysis.gap_map.z),
         by_observable=levels_of(analysis),
@@ -65,9 +64,7 @@ def report_of(
         details=form.Details(
             expected=expected(analysis),
             coarse_cells=dict(analysis.question.coarse_cells),
-            set_ups={
-                experiment.name: set_up(experiment) for experiment in (*analysis.experiments, *held)
-            },
+            set_ups=set_ups(analysis, ladder),
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
             budget=budget(analysis),
@@ -84,6 +81,11 @@ def report_of(
             limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
         ),
     )
+
+
+def held_out_of(ladder: "Ladder") -> "tuple[Experiment, ...]":
+    """The experiments that were held out."""
+    return ladder.held_out.points.experiments if ladder.held_out else ()
 
 
 def answer_of(verdict: "Verdict") -> form.Verdict:
@@ -131,6 +133,11 @@ def expected(analysis: "Analysis") -> dict[str, float]:
     return {
         str(name): rms(analysis.shift[observable == name]) for name in dict.fromkeys(observable)
     }
+
+
+def set_ups(analysis: "Analysis", ladder: "Ladder") -> dict[str, form.SetUp]:
+    """Experiment -> `SetUp`, fitted and held out."""
+    return {one.name: set_up(one) for one in (*analysis.experiments, *held_out_of(ladder))}
 
 
 def set_up(experiment: "Experiment") -> form.SetUp:
