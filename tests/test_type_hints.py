@@ -1,4 +1,4 @@
-"""Type hints: all public functions outside of the listed packages have them, and the type checker agrees."""
+"""Type hints: all public functions but the compiled ones have them, and the type checker agrees."""
 
 import ast
 import subprocess
@@ -13,12 +13,11 @@ from fvcollapse.effects.template import effect_template
 
 PACKAGE = Path(fvcollapse.__file__).parent
 KERNELS = ("step", "march.py", "measure/pile.py", "measure/series_row.py")  # their text is compiled
-WITHOUT = ("diagnosis",)  # so far
 FILES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 HINTED = [
     name
     for name in FILES
-    if not any(name == other or name.startswith(f"{other}/") for other in (*KERNELS, *WITHOUT))
+    if not any(name == other or name.startswith(f"{other}/") for other in KERNELS)
 ]
 HOOKS = {"error", "parse_known_args", "submit", "shutdown", "energy"}  # as a base class has them
 

@@ -1,10 +1,16 @@
 """How sure an answer is, in words: probability, strength of the runs, and what makes the numbers weak."""
 
+from typing import TYPE_CHECKING
+
 from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, standing
 from fvcollapse.diagnosis.report.words import CENTIMETRES, hypothesis_name, listed, number, percent
 from fvcollapse.measure.quantities import observable_words
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Confirmation, Report
+    from fvcollapse.diagnosis.report.standing import Standing
 
 NEXT = 0.05  # probability from which another cause is named after the first
 MUCH = 0.5  # share of the grid in the variance of a gap that is worth a sentence
@@ -16,12 +22,12 @@ STRENGTH = {
 }
 
 
-def wording(confirmation):
+def wording(confirmation: "Confirmation") -> str:
     """The strongest statement that the runs allow, as the beginning of a sentence."""
     return f"The cause is {STRENGTH[confirmation.wording]}"
 
 
-def certainty(report):
+def certainty(report: "Report") -> str:
     """How sure the answer is."""
     stand = standing(report)
     parts = [probability_words(report, stand)]
@@ -31,13 +37,13 @@ def certainty(report):
     return " ".join([*parts, *weak_words(report)])
 
 
-def probability_words(report, stand):
+def probability_words(report: "Report", stand: "Standing") -> str:
     """The probabilities of the causes that the headline names, and of the next."""
     state, causes, shares, _ = stand
     if state == OPEN:
         return f"no cause is clearly ahead; the first has {percent(shares[causes[0]])}."
     others = beside(report.verdict.probability, causes)
-    name, chance = next(iter(others.items()), (None, 0.0))
+    name, chance = next(iter(others.items()), ("", 0.0))
     following = (
         f"; next is {hypothesis_name(name)} with {percent(chance)}" if chance >= NEXT else ""
     )
@@ -47,7 +53,7 @@ def probability_words(report, stand):
     return f"{stated}{following}."
 
 
-def weak_words(report):
+def weak_words(report: "Report") -> list[str]:
     """What makes the probabilities weak, one sentence each."""
     words = []
     fitted, size = report.details.coarse_cells, report.cost.cell_size
@@ -67,17 +73,17 @@ def weak_words(report):
     return words
 
 
-def is_calibrated(report):
+def is_calibrated(report: "Report") -> bool:
     """Whether the probabilities are those of the fitted verdict layer."""
     return any(one.conformal_p is not None for one in report.details.hypotheses.values())
 
 
-def grid_share(report):
+def grid_share(report: "Report") -> tuple[str, float]:
     """(observable, share of the grid in its variance) where that is largest; ("", 0) without any."""
     shares = {
         name: sources.get(GRID, 0.0) ** 2 / total
         for name, sources in report.details.budget.items()
         if (total := sum(sd**2 for sd in sources.values())) > 0.0
     }
-    name = max(shares, key=shares.get, default="")
+    name = max(shares, key=shares.__getitem__, default="")
     return name, shares.get(name, 0.0)
