@@ -70,7 +70,8 @@ class Hypothesis(NamedTuple):
         Most probable closure of each effect; empty for none and unknown.
     u, low, high : (d,) arrays
         Most probable quantiles of the parameters (of a pair: of both), and the ends of their intervals
-        of 90 %, with the likelihood tempered by `INTERVAL_TEMPERATURE`; of all but the best pairs the whole priors.
+        of 90 %, with the likelihood tempered by `INTERVAL_TEMPERATURE`, by the number of values at most; of all but the
+        best pairs the whole priors.
     p_value, p_by_run, p_by_phase : float, dict, dict
         Chi-square of the residual at u and sigma: of all points, of each experiment, of each (experiment, phase).
     residual_outside : float
@@ -107,11 +108,13 @@ class Evidence:
     """All hypotheses by name, the one of the largest evidence x prior odds first.
 
     `balance` is the `MassBalance` of the profiles, `left` what asks for an explanation; None: not told, not asked.
+    `values` is the number of measured values that were compared, None where it was not kept.
     """
 
     hypotheses: dict[str, Hypothesis]
     balance: MassBalance | None = None
     left: Left | None = None
+    values: int | None = None
 
     @property
     def best(self) -> Hypothesis:
@@ -197,7 +200,7 @@ class ModelComparison:
         hypotheses += self.together(gap, seen, single) if pairs else []
         hypotheses += single
         hypotheses.sort(key=lambda each: -(each.log_evidence + each.log_prior))
-        return Evidence({each.name: each for each in hypotheses})
+        return Evidence({each.name: each for each in hypotheses}, values=len(gap))
 
     def directed(self, gap: np.ndarray, single: Sequence[Hypothesis]) -> list[Hypothesis]:
         """The single effects with what they can close of a gap (N,), and what they make worse."""
@@ -264,7 +267,8 @@ class ModelComparison:
         if not is_brief:
             wide = [integrate(seen, each, WIDE).log_evidence for each in closures]
             log_wide = float(log_sum_exp(np.array(wide)) - share)
-            tempered = integrate(seen, closure, (0.0, 1.0), INTERVAL_TEMPERATURE)
+            temperature = min(INTERVAL_TEMPERATURE, float(len(gap)))
+            tempered = integrate(seen, closure, (0.0, 1.0), temperature)
             low, high = intervals(tempered, u)
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)

@@ -11,8 +11,8 @@ An effect that was added to the catalogue after the fit is judged by its tempere
 the model (`new_effects`).
 
 Diagnoses with controls have a model of their own, fitted to laboratories whose physics the believed model lacks.
-Without a model evidences are tempered by `TEMPERATURE`, which is no calibration: probabilities are capped, and there
-are no conformal p-values.
+Without a model evidences are tempered (`temperature`), which is no calibration: probabilities are capped, and there are
+no conformal p-values. "none" is given up where it fails its predictive check at 5 %.
 
 References
 ----------
@@ -28,7 +28,7 @@ from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.diagnosis.sign import ruled_out
-from fvcollapse.diagnosis.verdict_features import QUIET, TEMPERATURE, asks, balance_logit, class_of
+from fvcollapse.diagnosis.verdict_features import QUIET, asks, balance_logit, class_of, temperature
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
 if TYPE_CHECKING:
@@ -154,11 +154,14 @@ def is_clear(name: str, probability: Mapping[str, float]) -> bool:
 def tempered(evidence: "Evidence", separability: "Separability | None") -> Verdict:
     """The verdict without a model.
 
-    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
+    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none. Where it
+    fails the check no set holds "none", and the others of the set stay.
     """
     probability = in_order(capped(tempered_shares(evidence), CAP))
-    retained = smallest_set(probability, 1.0 - RETAINED)
     passes = evidence.hypotheses[NONE].p_value >= NONE_RETAINED
+    retained = smallest_set(probability, 1.0 - RETAINED)
+    if not passes and len(retained) > 1:
+        retained = tuple(name for name in retained if name != NONE)
     clear = is_clear(retained[0], probability)
     best = NONE if passes and NONE in retained and not clear else retained[0]
     return finished(best, probability, retained, {}, separability)
@@ -178,7 +181,7 @@ def tempered_shares(evidence: "Evidence") -> dict[str, float]:
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
     prior = class_prior(classes)
     pairs = sum("+" in name for name in names)
-    logs = [hypotheses[name].log_evidence / TEMPERATURE for name in names]
+    logs = [hypotheses[name].log_evidence / temperature(evidence) for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     logs += [balance_logit(evidence, name) for name in names]
     logs -= [QUIET * (name == UNKNOWN and not asks(evidence)) for name in names]  # type: ignore[operator]

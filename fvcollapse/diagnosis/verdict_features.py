@@ -138,6 +138,15 @@ def known_logits(evidence: "Evidence", classes: Sequence[str]) -> np.ndarray:
     return odds
 
 
+def temperature(evidence: "Evidence") -> float:
+    """What evidences are tempered by without a model.
+
+    Their errors hang together, so that the values of a film count as fewer. All of them count as one value at
+    least, so that the temperature is no higher than their number.
+    """
+    return TEMPERATURE if evidence.values is None else min(TEMPERATURE, float(evidence.values))
+
+
 def asks(evidence: "Evidence") -> bool:
     """Whether anything asks for an explanation: a significant region of the gap, or all points taken together."""
     left = evidence.left
