@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
 from fvcollapse.diagnosis.names import NONE
-from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, standing
+from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, may_be_named, standing
 from fvcollapse.diagnosis.report.words import CENTIMETRES, hypothesis_name, listed, number, percent
 from fvcollapse.measure.quantities import observable_words
 
@@ -30,7 +30,7 @@ def wording(confirmation: "Confirmation") -> str:
 def certainty(report: "Report") -> str:
     """How sure the answer is."""
     stand = standing(report)
-    parts = [probability_words(report, stand)]
+    parts = [probability_words(report, stand), *given_up_words(report, stand)]
     confirmation = report.details.confirmation
     if confirmation is not None and stand.causes[0] in report.verdict.effects:
         parts.append(f"{wording(confirmation)}: {listed(confirmation.reasons)}.")
@@ -42,15 +42,29 @@ def probability_words(report: "Report", stand: "Standing") -> str:
     state, causes, shares, _ = stand
     if state == OPEN:
         return f"no cause is clearly ahead; the first has {percent(shares[causes[0]])}."
-    others = beside(report.verdict.probability, causes)
+    others = beside(may_be_named(report), causes)
     name, chance = next(iter(others.items()), ("", 0.0))
     following = (
         f"; next is {hypothesis_name(name)} with {percent(chance)}" if chance >= NEXT else ""
     )
     stated = listed(f"{hypothesis_name(cause)} {percent(shares[cause])}" for cause in causes)
     if state == NOTHING:
-        return f"nothing missing has a probability of {percent(shares[NONE])}{following}."
-    return f"{stated}{following}."
+        return (
+            f"the data ask for nothing, and exclude little: no missing effect has {percent(shares[NONE])}, and all "
+            f"other hypotheses share the rest{following}."
+        )
+    both = " (each alone or with another cause)" if len(causes) > 1 else ""
+    return f"{stated}{both}{following}."
+
+
+def given_up_words(report: "Report", stand: "Standing") -> list[str]:
+    """Why "none" is not among the causes although it has some probability; [] where it is, or has little."""
+    chance = stand.shares.get(NONE, 0.0)
+    if chance < NEXT or NONE in may_be_named(report):
+        return []
+    return [
+        f"No missing effect ({percent(chance)}) is given up: chance leaves such a gap in fewer than one case of twenty."
+    ]
 
 
 def weak_words(report: "Report") -> list[str]:
@@ -61,10 +75,12 @@ def weak_words(report: "Report") -> list[str]:
         largest = number(CENTIMETRES * min(fitted.values()))
         words.append(
             f"The cells of {number(CENTIMETRES * size)} cm are coarser than those that the verdict layer was fitted "
-            f"with (at most {largest} cm), so these probabilities are not calibrated."
+            f"with (at most {largest} cm), so these probabilities only rank the causes."
         )
     elif not is_calibrated(report):
-        words.append("These probabilities are not calibrated.")
+        words.append(
+            "These probabilities only rank the causes: how often such an answer is right was not tested."
+        )
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(

@@ -201,10 +201,10 @@ def confirmation_reasons(tests: "ConfirmationTests") -> list[str]:
             reasons.append(f"it beats {rival} in {sum(won)} of {len(won)} experiments {words}")
     if not tests.has_held_out:
         reasons.append("no experiment was held out")
-    place = "inside" if tests.parameters_inside else "at the bound of"
-    reasons.append(f"its re-calibrated parameters are {place} what was known of them before")
-    check = "passes" if tests.passes_check else "does not pass"
-    reasons.append(f"what remains {check} the predictive check (p = {tests.p_value:.2g})")
+    place = "inside" if tests.parameters_inside else "at the end of"
+    reasons.append(f"the strength and constants that fit best are {place} their plausible range")
+    check = "looks like noise" if tests.passes_check else "is more than noise"
+    reasons.append(f"what remains of the gap {check} (p = {tests.p_value:.2g})")
     if not tests.shrinks:
         reasons.append("the gap of an experiment held out does not shrink")
     return reasons

@@ -185,8 +185,11 @@ def meaning_of(causes: Iterable[str]) -> str:
 
 
 def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
-    """One sentence for each group that cannot be told apart and holds one of the causes."""
-    groups = [group for group in report.verdict.indistinguishable if set(causes) & set(group)]
+    """One sentence for each group that cannot be told apart and holds one of the causes; of those that overlap one."""
+    groups: list[Sequence[str]] = []
+    for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
+        if set(causes) & set(group) and not any(set(group) & set(other) for other in groups):
+            groups.append(group)
     return [
         f"These data cannot tell apart {listed(hypothesis_name(name) for name in group)}."
         for group in groups
@@ -222,7 +225,7 @@ def closed_words(report: "Report") -> str:
         return f"{text}."
     alone = recalibrated_words(report)
     if state == NOTHING:
-        return f"there is no significant gap to close.{alone}"
+        return "there is no significant gap to close."
     if best is None:
         return f"no effect was added to the solver.{alone}"
     held_out = "" if best.held_out is None else f" and {percent(best.held_out)} in those held out"
@@ -274,7 +277,7 @@ def where_sentence(report: "Report") -> str:
     )
     return (
         "simulation and experiment differ by more than measurement, grid and calibrated parameters explain"
-        f"{corrected}: {words}{more}."
+        f"{corrected}. Simulated, beside measured: {words}{more}."
     )
 
 

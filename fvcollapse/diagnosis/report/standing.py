@@ -88,9 +88,10 @@ def beside(probability: Mapping[str, float], causes: Iterable[str]) -> dict[str,
 
 def standing(report: "Report") -> Standing:
     """The `Standing` of a report."""
-    probability = report.verdict.probability
-    shares, best = totals(probability), best_model(report)
-    first, share = next(iter(shares.items()))
+    probability, shares = may_be_named(report), totals(report.verdict.probability)
+    best = best_model(report)
+    first = next(iter(totals(probability)))
+    share = shares[first]
     rival = next(iter(beside(probability, [first]).values()), 0.0)
     leans = share >= HALF or (share >= LEAST_LEAN and share >= AHEAD * rival)
     if first == NONE and not is_left(report):
@@ -105,6 +106,15 @@ def standing(report: "Report") -> Standing:
     if state in (NAMED, LEANING):
         causes = (first, *companion(probability, first))
     return Standing(state, causes, shares, best)
+
+
+def may_be_named(report: "Report") -> dict[str, float]:
+    """{hypothesis: probability} without "none" where a gap is left and the set of the verdict has given "none" up."""
+    verdict = report.verdict
+    given_up = bool(verdict.set) and NONE not in verdict.set and is_left(report)
+    if not given_up or verdict.probability.get(NONE, 0.0) >= HALF:
+        return dict(verdict.probability)
+    return {name: chance for name, chance in verdict.probability.items() if name != NONE}
 
 
 def companion(probability: Mapping[str, float], first: str) -> tuple[str, ...]:
@@ -128,10 +138,11 @@ def open_causes(probability: Mapping[str, float], first: str) -> tuple[str, ...]
     Each has half of the probability of the first, or is needed for half of the probability together.
     """
     causes, least = [first], HALF * totals(probability)[first]
+    total = sum(probability.values())
     while len(causes) < MOST_OPEN:
         name, chance = next(iter(beside(probability, causes).items()), (None, 0.0))
-        covered = 1.0 - sum(without(probability, causes).values())
-        if name is None or (chance < least and covered >= HALF and len(causes) > 1):
+        covered = total - sum(without(probability, causes).values())
+        if name is None or (chance < least and covered >= HALF * total and len(causes) > 1):
             break
         causes.append(name)
     return tuple(causes)

@@ -244,7 +244,15 @@ def practical_words(report: "form.Report") -> list[str]:
     taught = any(part.controls is not None for part in parts.values())
     whose = "the controls leave open" if taught else "two codes for the same equations differ by"
     beside = f"; {whose} {listed(compared)}" if compared else ""
-    return [f"Beyond noise and calibration (root mean square): {sizes}{beside}."]
+    sentences = [f"Beyond noise and calibration (root mean square): {sizes}{beside}."]
+    if not taught and compared and all(is_honest(part) for part in parts.values()):
+        sentences.append("So the gap is no larger than the choice of a code makes it.")
+    return sentences
+
+
+def is_honest(part: "form.Practical") -> bool:
+    """Whether what is left of an observable is no larger than two codes differ by."""
+    return part.codes is not None and part.beyond <= part.codes
 
 
 def length(name: str, part: "form.Practical", value: float) -> str:
