@@ -29,6 +29,7 @@ from itertools import combinations_with_replacement
 from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
 CORRELATION_LENGTH = 0.7  # of the process, in quantiles
@@ -99,7 +100,7 @@ class Response:
         return cls(levels, differences, errors)
 
     @classmethod
-    def of_one_level(cls, difference: np.ndarray) -> Self:
+    def of_one_level(cls, difference: ArrayLike) -> Self:
         """The response a(u) x one run, 0.15 <= a <= 2: for screening, and it states no error."""
         difference = np.asarray(difference, float)
         ends = np.array([LEAST_AMPLITUDE, MOST_AMPLITUDE])

@@ -7,7 +7,7 @@ is room. Colours are those of Okabe & Ito (2008) and the map RdBu; no meaning re
 import io
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
@@ -18,12 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH = 4.2  # inch: letters of 9 points are 11 pixels high on a telephone
-STYLE: dict[Any, Any] = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "report",
-}
+STYLE = {"font.size": 9.0, "axes.titlesize": 9.0, "svg.fonttype": "none", "svg.hashsalt": "report"}
 STYLE |= {"axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.6}
 GAP_UNITS = "gap in combined standard uncertainties"
 

@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.drawing import Picture
     from fvcollapse.diagnosis.report.schema import Comparison, Report
 
-    Drawing = tuple[
-        str, Callable[..., Picture], *tuple[Any, ...]
-    ]  # chapter, function, its arguments
+    # chapter, function, its arguments
+    Drawing = tuple[str, Callable[..., Picture], *tuple[Any, ...]]
 
 CHAPTERS = ("overlays", "scalars", "gap_maps", "evidence", "signatures", "ladder", "budget")
 
@@ -50,7 +49,7 @@ def pictures(
 
 def drawn(report: "Report", some: slice = slice(None)) -> "list[Picture]":
     """The `Picture`s of a report, or some of them."""
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(STYLE):  # type: ignore[arg-type]
         return [function(*arguments) for _, function, *arguments in drawings(report)[some]]
 
 
