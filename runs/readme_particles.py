@@ -18,7 +18,7 @@ FOLDER = "particle_laboratory"
 MM = 1000
 MISSING = "–"
 MORE = {"b03": ", frictionless walls"}  # what a reference has beside its slope
-FROM_THE_CHUTE = f"thickness, L = {FROM_CHUTE:g} d"
+NOTES = {f"thickness, L = {FROM_CHUTE:g} d": ", of the chute"}
 SYMBOLS = {"kappa_0": "κ₀", ", looser": " and 0.044 looser"}
 SHAPES = (  # variants of shape.csv that are shown
     "without",
@@ -101,9 +101,10 @@ def thin_layers():
     return text.removesuffix("\n") + made("thin_layers.csv")
 
 
-def both(row):
+def both(row, digits=0):
     """Front at rest less measured and final thickness of a row, mm."""
-    return f"{signed(row['front_difference'], 0, MM)}, {rounded(row['final_thickness_rms'], 1, MM)}"
+    front = signed(row["front_difference"], digits, MM)
+    return f"{front}, {rounded(row['final_thickness_rms'], 1, MM)}"
 
 
 def chosen(rows):
@@ -125,19 +126,20 @@ def within(row, front, thickness):
 
 
 def rule():
-    """What the rule chooses on each cell size, beside the untuned length and none."""
+    """All lengths on each cell size: the control of the rule, what it chooses, and the reach over all references."""
     lines = []
     for size, rows in by_size(rows_of("thin_layers.csv")).items():
         picked = chosen(rows)
-        wanted = {"without": "without", FROM_THE_CHUTE: f"L = {FROM_CHUTE:g} d, of the chute"}
-        if picked:
-            wanted[picked] = f"{picked.removeprefix('thickness, ')}, which the rule chooses"
-        for variant, words in wanted.items():
+        for variant in (of for of in VARIANTS if not of.startswith("nonlocal")):
             of = [row for row in rows if row["variant"] == variant]
-            lines.append((f"{rounded(size, scale=MM)} mm", words, *reach(of)))
+            taught = next(f"{both(row, 1)} rms" for row in of if row["experiment"] == TEACHER)
+            words = variant.removeprefix("thickness, ") + NOTES.get(variant, "")
+            choice = ": chosen" if variant == picked else ""
+            lines.append((f"{rounded(size, scale=MM)} mm", words, taught + choice, *reach(of)))
     asked = f"{rounded(FRONT_ASKED, scale=MM)} mm and {rounded(THICKNESS_ASKED, 1, MM)} mm rms"
-    heading = ("cells", "`thin_layer`", "front at rest less measured", "final thickness, rms")
-    return table((*heading, f"within {asked}"), lines) + made("thin_layers.csv")
+    heading = ("cells", "`thin_layer`", "the 10° control (mm)", "front at rest, all references")
+    heading = (*heading, "final thickness, rms", f"within {asked}")
+    return table(heading, lines) + made("thin_layers.csv")
 
 
 def reach(rows):

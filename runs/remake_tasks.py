@@ -136,7 +136,7 @@ def paper(part, cpu_s):
 TASKS = (
     study("comparison", "bars", ("bars.csv",), ("thin_layer",), 60.0, ""),
     study("paper_facts", "grid", ("grid.csv",), THIN, 300.0),
-    study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 240.0, "dem"),
+    study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 350.0, "dem"),
     study(LABORATORY, "walls", ("walls.csv",), None, 120.0, "dem"),
     study(LABORATORY, "shape", ("shape.csv",), None, 60.0, "dem"),
     study(LABORATORY, "closures", ("closures.csv",), None, 120.0, "dem"),
