@@ -92,3 +92,28 @@ def test_the_figure_is_drawn(tmp_path, monkeypatch):
     assert (tmp_path / "figures" / "laboratory_columns.png").stat().st_size > 10_000
     caption = (tmp_path / "figures" / "laboratory_columns.txt").read_text(encoding="utf-8")
     assert "0.70 of the stated friction" in caption
+
+
+def test_a_row_has_the_numbers_that_were_run(monkeypatch):
+    class Seen:
+        def __init__(self, scalars):
+            self.scalars = scalars
+
+    column = columns.read_columns(FOLDER)[0]
+    results = {
+        (column.name, walls, factor): factor
+        for walls, factors in columns.WALLS.items()
+        for factor in factors
+    }
+    seen = {name: 0.1 for name in columns.QUANTITIES}
+    monkeypatch.setattr(
+        columns,
+        "observe",
+        lambda factor, _: Seen({name: factor * value for name, value in seen.items()}),
+    )
+    rows = list(columns.rows_of(column, results))
+    assert len(rows) == len(column.experiment.scalars) * len(columns.WALLS)
+    for row in rows:
+        for factor in columns.FACTORS:
+            was_run = factor in columns.WALLS[row["walls"]]
+            assert row[f"computed_{factor:g}"] == (pytest.approx(0.1 * factor) if was_run else "")

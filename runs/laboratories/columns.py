@@ -98,9 +98,10 @@ def rows_of(column, results):
                 "walls": walls,
                 "measured": round(number.value, 6),
                 "sigma": round(number.sigma, 6),
+                **{f"computed_{f:g}": "" for f in FACTORS},
                 **{
-                    f"computed_{f:g}": round(float(v), 6)
-                    for f, v in zip(FACTORS, seen, strict=True)
+                    f"computed_{f:g}": round(float(value), 6)
+                    for f, value in zip(WALLS[walls], seen, strict=True)
                 },
             }
 
