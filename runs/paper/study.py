@@ -29,6 +29,7 @@ from runs.study import Study, run_in_folders
 from runs.study import main as call
 from runs.table import CURVE, CURVES, LABELS, REFINEMENTS, RUN, SCALARS, write_table
 
+MOST = 80  # of finer
 SEARCHES = {
     "slow_phase": search_slow_phase,
     "volume": search_volume,
@@ -60,6 +61,7 @@ def refine(settled, tables, options):
     chosen, missing = [], []
     while True:
         more = [key for key in finer(settled, tables, options.finest) if key not in chosen]
+        more = more[: max(0, options.most - len(chosen))]
         if not more:
             return missing
         chosen += more
@@ -122,6 +124,13 @@ def add_options(parser):
         default=REFINEMENTS[-1],
         metavar="R",
         help="cell size over that of the finest grid that may be chosen; default 3",
+    )
+    parser.add_argument(
+        "--most",
+        type=int,
+        default=MOST,
+        metavar="N",
+        help=f"runs of finer, those nearest to a decision first; default {MOST}",
     )
 
 
