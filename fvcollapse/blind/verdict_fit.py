@@ -46,6 +46,14 @@ class Origin(NamedTuple):
     kind: str | None = None
 
 
+def check_counts(truth: np.ndarray, classes: Sequence[str]) -> None:
+    """Refuse a suite with too few cases of a class; `truth` are the classes of its cases."""
+    for name in classes:
+        count = int(np.count_nonzero(truth == name))
+        if count < LEAST_CASES:
+            raise InputError("suite", name, f"{count} cases", f">= {LEAST_CASES} of every class")
+
+
 def fit(
     suite: Sequence[tuple["Evidence", str]],
     effects: Sequence[str],
@@ -74,10 +82,7 @@ def fit(
     effects = tuple(effects)
     truth = np.array([class_of(cause) for _, cause in suite])
     classes = tuple(sorted({class_of(cause) for _, cause in suite}))
-    for name in classes:
-        count = int(np.count_nonzero(truth == name))
-        if count < LEAST_CASES:
-            raise InputError("suite", name, f"{count} cases", f">= {LEAST_CASES} of every class")
+    check_counts(truth, classes)
     rows = [features(evidence, classes) for evidence, _ in suite]
     own, case = (np.array(part) for part in zip(*rows, strict=True))
     of_effects = own[:, [is_effect(name) for name in classes]]

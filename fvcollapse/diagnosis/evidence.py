@@ -4,10 +4,9 @@ With gap = simulated - measured, and Delta_k(u) the response to effect k, the ev
 over the parameters and the size of the discrepancy (`quadrature`). "none" is Delta = 0 with the same discrepancies s;
 "unknown" is Delta = 0 with large ones, a discrepancy promoted to a hypothesis. Closures of one effect share its prior
 equally. The three best single effects are also joined with every other one (what two effects do together may look most
-like a third): the gain of the second tells whether there are two. (A predictive check that fails, as the condition, let
-2 of 30 hidden pairs be named: what two effects leave is small beside all uncertainties together, but not in the one
-direction that counts. Two visible effects add 15 to 200 to the logarithm of the evidence; where there is one or none,
-90 % add less than 3.) Raw evidences are over-confident; the verdict layer turns them into probabilities.
+like a third): the gain of the second tells whether there are two. (Two visible effects add 15 to 200 to ln evidence;
+where there is one or none, 90 % add less than 3. A failed check, as the condition, named 2 of 30 hidden pairs.) Raw
+evidences are over-confident; the verdict layer turns them into probabilities.
 
 References
 ----------
@@ -52,8 +51,7 @@ WIDE = (-0.5, 1.5)  # quantiles of a prior twice as wide
 # believed: at the hidden parameters of training cases the residual along the response is 2 to 10 standard
 # deviations, where nothing acts 1.0 to 1.5. Untempered, intervals of 90 % hold 59 % of 386 hidden parameters,
 # tempered by 8 86 %, by 16 90 %, by 32 92 %. Set there, 16 gives 91 % of 117 of the blind suite, 65 % untempered.
-# (Errors of the responses in proportion to them, or a discrepancy three times as large, narrowed less of this:
-# log density of the truth -1.4 and -2.3, tempered by 16 +0.7.)
+# (Errors of responses in proportion to them, or a discrepancy three times as large, were worse.)
 INTERVAL_TEMPERATURE = 16.0
 
 
@@ -69,9 +67,8 @@ class Hypothesis(NamedTuple):
     variant : tuple of int
         Most probable closure of each effect; empty for none and unknown.
     u, low, high : (d,) arrays
-        Most probable quantiles of the parameters (of a pair: of both), and the ends of their intervals
-        of 90 %, with the likelihood tempered by `INTERVAL_TEMPERATURE`, by the number of values at most; of all but the
-        best pairs the whole priors.
+        Most probable quantiles of the parameters (of a pair: of both), and the ends of their 90 % intervals, the
+        likelihood tempered by `INTERVAL_TEMPERATURE` (by the number of values at most); else whole priors.
     p_value, p_by_run, p_by_phase : float, dict, dict
         Chi-square of the residual at u and sigma: of all points, of each experiment, of each (experiment, phase).
     residual_outside : float
@@ -107,8 +104,8 @@ class Hypothesis(NamedTuple):
 class Evidence:
     """All hypotheses by name, the one of the largest evidence x prior odds first.
 
-    `balance` is the `MassBalance` of the profiles, `left` what asks for an explanation; None: not told, not asked.
-    `values` is the number of measured values that were compared, None where it was not kept.
+    `balance` is the `MassBalance` of the profiles, `left` what asks for an explanation, `values` the number of
+    measured values; None: not told, not asked, not kept.
     """
 
     hypotheses: dict[str, Hypothesis]
@@ -267,8 +264,7 @@ class ModelComparison:
         if not is_brief:
             wide = [integrate(seen, each, WIDE).log_evidence for each in closures]
             log_wide = float(log_sum_exp(np.array(wide)) - share)
-            temperature = min(INTERVAL_TEMPERATURE, float(len(gap)))
-            tempered = integrate(seen, closure, (0.0, 1.0), temperature)
+            tempered = integrate(seen, closure, (0.0, 1.0), min(INTERVAL_TEMPERATURE, len(gap)))
             low, high = intervals(tempered, u)
         difference, errors = response_at(closure, u)
         checks = self.checks(gap, seen[sigma], difference, errors)

@@ -4,12 +4,12 @@ The remainder is the gap (simulated - measured) with the response to the best hy
 that closes half of it, else the gap itself: what a wrong effect leaves has the form of that effect too. Its
 significant regions are found as those of the gap map. Every point of them has a place in the pile, a phase of the
 collapse, and says whether the simulated grains move too easily (+1) or not easily enough (-1): a front too far, too
-much at the front or too little at the back wall is +1, a static-flowing interface too high is -1; a thickness in the
-middle, through which the grains pass, and a volume say neither. Shares are those of the sum of z^2 over these points.
+much at the front or too little at the back wall is +1, an interface too high is -1; a thickness in the middle says
+neither, nor does a volume. Shares are those of the sum of z^2.
 
 Likeness is the cosine between the whitened remainder, with the sign turned, and a whitened response: +1 is an effect
-that would take it away, -1 one that acts the other way. What speaks against the effect is its strength (the length
-that is needed over the largest that its prior allows) and the observables that it would make worse.
+that would take it away. What speaks against the effect is its strength (the length that is needed over the
+largest that its prior allows) and the observables that it would make worse.
 """
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,6 +24,8 @@ from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.quantities import QUANTITIES
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from fvcollapse.diagnosis.analysis import Analysis
     from fvcollapse.diagnosis.evidence import Hypothesis
     from fvcollapse.diagnosis.points import Block, Points
@@ -94,20 +96,16 @@ class Unexplained(NamedTuple):
 
     Attributes
     ----------
-    beside : str
-        Hypothesis whose response has been taken off; "none": the whole gap.
-    p_value : float
-        Chi-square check of what that leaves.
+    beside, p_value : str, float
+        Hypothesis whose response has been taken off ("none": the whole gap); chi-square check of what that leaves.
     z : (N,) array
         What is left, simulated - measured, in combined standard uncertainties.
     regions, shares, sizes : tuples of gap_map.Region, Share, Size
         Its significant regions, without which there are no shares and no sizes; the largest share first.
     direction : float
         From -1 to 1, of everything; 0 also where nothing says it.
-    experiment : str
-        That which has most of it.
-    t_range, span : (float, float) or None
-        First and last time of its regions, and of all that was compared there [s].
+    experiment, t_range, span : str, (float, float) or None, (float, float) or None
+        That which has most of it; first and last time of its regions, and of all that was compared there [s].
     resembles : tuple of Likeness
         The most alike first, at most three.
     """
@@ -125,10 +123,10 @@ class Unexplained(NamedTuple):
     resembles: tuple[Likeness, ...]
 
 
-def unexplained(analysis: "Analysis") -> Unexplained:
-    """The `Unexplained` part of the gap of an `Analysis`."""
+def unexplained(analysis: "Analysis", names: "Collection[str] | None" = None) -> Unexplained:
+    """The `Unexplained` part of the gap of an `Analysis`; `names`: hypotheses that a verdict compares, default all."""
     points, covariance = analysis.points, analysis.covariance
-    best = explaining(analysis)
+    best = explaining(analysis, names)
     gap = analysis.gap + best.difference
     remainder = beyond_bounds(points, gap)
     z = remainder / np.sqrt(np.diag(covariance))
@@ -152,10 +150,11 @@ def unexplained(analysis: "Analysis") -> Unexplained:
     )
 
 
-def explaining(analysis: "Analysis") -> "Hypothesis":
-    """The best `Hypothesis` of the catalogue if it closes half of the gap; else that of none."""
+def explaining(analysis: "Analysis", names: "Collection[str] | None" = None) -> "Hypothesis":
+    """The best `Hypothesis` of the catalogue, of some names, if it closes half of the gap; else that of none."""
     hypotheses, sizes = analysis.evidence.hypotheses, sizes_left(analysis)
-    best = next(name for name in hypotheses if name != UNKNOWN)
+    compared = hypotheses if names is None else [name for name in hypotheses if name in names]
+    best = next(name for name in compared if name != UNKNOWN)
     closes = best != NONE and sizes[best] <= HALF * sizes[NONE] and sizes[NONE] > 0.0
     return hypotheses[best if closes else NONE]
 

@@ -63,7 +63,7 @@ def unexplained_of(analysis: "Analysis", verdict: "Verdict") -> form.Unexplained
     """
     if verdict.kind != UNKNOWN and (len(verdict.set) < 2 or not analysis.gap_map.regions):
         return None
-    found = unexplained(analysis)
+    found = unexplained(analysis, verdict.probability)
     if verdict.kind != UNKNOWN and not found.regions:
         return None
     part = form.Unexplained(
