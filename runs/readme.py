@@ -36,7 +36,12 @@ from runs.readme_particles import (
     thin_layers,
     validation,
 )
-from runs.readme_reports import diagnosis_example, laboratories, verification
+from runs.readme_reports import (
+    diagnosis_example,
+    laboratories,
+    laboratory_columns,
+    verification,
+)
 from runs.readme_stamps import made_by
 from runs.readme_walls import walls, walls_say
 
@@ -77,6 +82,7 @@ PARTS = {
     "particles-cohesion": cohesion,
     "particles-packings": packings,
     "stamps": made_by,
+    "laboratory-columns": laboratory_columns,
     "paper": statements_by_verdict,
     "laboratories": laboratories,
 }

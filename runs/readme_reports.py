@@ -68,6 +68,41 @@ def closing(row):
     return f"{row['closes_most']}, {100 * float(row['closed']):.0f} %{more}"
 
 
+# -- columns of glass beads ------------------------------------------------------------------------
+
+ASPECTS = ((0.0, 1.0), (1.0, 3.0), (3.0, 8.0), (8.0, 20.0))
+MODELS = (  # friction of the walls, share of the stated friction of the grains, words
+    ("absent", 1.0, "constants as stated, walls without friction"),
+    ("measured", 1.0, "constants as stated, measured friction of the walls"),
+    ("measured", 0.75, "the same, 0.75 of the friction of the grains"),
+    ("measured", 0.5, "the same, half of the friction of the grains"),
+)
+MEASURED = {"runout": "run-out", "final_height": "final height"}
+
+
+def laboratory_columns():
+    """Mean of computed less measured over measured, in per cent, by aspect ratio."""
+    rows = read_table(RUNS / "laboratories" / "columns.csv")
+    heading = ("computed less measured, %", *(f"a = {low:g}–{high:g}" for low, high in ASPECTS))
+    lines = [
+        (f"{words}: {quantity}", *(mean_gap(rows, walls, factor, name, span) for span in ASPECTS))
+        for name, quantity in MEASURED.items()
+        for walls, factor, words in MODELS
+    ]
+    return table(heading, lines)
+
+
+def mean_gap(rows, walls, factor, name, span):
+    """A cell: the mean over the columns of a class, and their number."""
+    gaps = [
+        float(row[f"computed_{factor:g}"]) / float(row["measured"]) - 1.0
+        for row in rows
+        if (row["walls"], row["quantity"]) == (walls, name)
+        and span[0] <= float(row["aspect"]) < span[1]
+    ]
+    return f"{100.0 * sum(gaps) / len(gaps):+.0f} ({len(gaps)})".replace("-", "−")
+
+
 def diagnosis_example():
     """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
     report = read_report(RUNS / EXAMPLE)
