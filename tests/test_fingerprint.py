@@ -1,12 +1,19 @@
 """The digest of the solver: what changes numbers changes it, and nothing else does."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 import fvcollapse
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.output.fingerprint import ROOTS, solver_code, solver_digest, solver_version
+from fvcollapse.output.fingerprint import (
+    ROOTS,
+    package_mark,
+    solver_code,
+    solver_digest,
+    solver_version,
+)
 
 # a solver in small, with the roots of the true one
 FILES = {
@@ -253,3 +260,22 @@ def test_the_version_depends_on_the_effects_that_are_on():
     assert solver_version(("tilt", "gate")) == solver_version(("gate", "tilt"))
     assert len({solver_version(), solver_version(()), solver_version(("gate",))}) == 3
     assert solver_version().startswith(f"{fvcollapse.__version__}+")
+
+
+def test_the_mark_is_of_place_size_and_time_of_every_file(tmp_path):
+    """By it a worker sees that its files are those of the process that started it."""
+    file = tmp_path / "step" / "rates.py"
+    file.parent.mkdir()
+    file.write_text("a = 1\n")
+    os.utime(file, (1.0, 1.0))
+    marks = [package_mark(tmp_path)]
+    assert package_mark(tmp_path) == marks[0]
+    os.utime(file, (2.0, 2.0))
+    marks.append(package_mark(tmp_path))
+    file.write_text("a = 10\n")
+    os.utime(file, (2.0, 2.0))
+    marks.append(package_mark(tmp_path))
+    file.rename(tmp_path / "rates.py")
+    marks.append(package_mark(tmp_path))
+    assert len(set(marks)) == 4
+    assert len({package_mark(), *marks}) == 5

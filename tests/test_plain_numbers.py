@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from fvcollapse.__main__ import main
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.errors import InputError
-from fvcollapse.files.plain_numbers import decimal_number, whole_number
+from fvcollapse.files.plain_numbers import decimal_number, finite_numbers, whole_number
 from fvcollapse.files.regular import read_regular
 from fvcollapse.output.result import open_result
 
@@ -45,6 +45,16 @@ def test_what_is_no_number_is_refused(text):
     for read in (decimal_number, whole_number):
         with pytest.raises(ValueError, match="number"):
             read(text)
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False)))
+def test_many_numbers_are_read_at_once(values):
+    assert finite_numbers([repr(value) for value in values]) == values
+
+
+@pytest.mark.parametrize("text", [*NO_NUMBERS, "1e999", " 1", "1\n2"])
+def test_of_many_texts_each_must_be_a_finite_number(text):
+    assert finite_numbers(["1", text, "2"]) is None
 
 
 @pytest.mark.parametrize("text", ["1.0", "1e3", "9" * 5000])

@@ -5,6 +5,8 @@ measurements they are mistakes.
 """
 
 import re
+from collections.abc import Sequence
+from math import isfinite
 
 WHOLE = re.compile(r"[+-]?[0-9]+")
 DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -24,6 +26,14 @@ def decimal_number(text: str) -> float:
     if not DECIMAL.fullmatch(text.strip()):
         raise ValueError(f"no number: {text!r}")
     return float(text)
+
+
+def finite_numbers(texts: Sequence[str]) -> list[float] | None:
+    """The numbers in texts without blanks around them; None where one is no finite number. Of many at once."""
+    if not all(map(DECIMAL.fullmatch, texts)):
+        return None
+    numbers = list(map(float, texts))
+    return numbers if all(map(isfinite, numbers)) else None
 
 
 def whole_number(text: str) -> int:

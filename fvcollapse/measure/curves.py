@@ -15,7 +15,7 @@ import numpy as np
 
 from fvcollapse.case.grammar import closest_name, read_text
 from fvcollapse.errors import InputError
-from fvcollapse.files.plain_numbers import decimal_number
+from fvcollapse.files.plain_numbers import decimal_number, finite_numbers
 from fvcollapse.measure.quantities import CURVES
 
 KINDS = ("value", "upper", "lower")
@@ -65,7 +65,7 @@ def read_curve(path: Path, name: str, sigma: float) -> Curve:
     quantity = CURVES[name]
     lines, header, rows = read_rows(path, quantity.columns, (quantity.sigma_column,))
     numbers = {
-        column: np.array([number(path, column, *at) for at in zip(lines, cells, strict=True)])
+        column: column_of_numbers(path, column, lines, cells)
         for column, cells in zip(header, zip(*rows, strict=True), strict=True)
     }
     time, *places, value = (numbers[column] for column in quantity.columns)
@@ -143,7 +143,7 @@ def read_rows(
     """Line numbers, header and rows of a CSV file; every row has as many cells as the header."""
     try:
         reader = csv.reader(io.StringIO(read_text(path, "CSV"), newline=""), strict=True)
-        table = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(row)]
+        table = [(reader.line_num, list(map(str.strip, row))) for row in reader if any(row)]
     except csv.Error as error:
         raise InputError(path, "file", f"broken CSV: {error}", "comma-separated values") from None
     if len(table) < 2:
@@ -173,6 +173,16 @@ def check_header(
         if name not in header:
             allowed = f"the columns {', '.join(required)}"
             raise InputError(path, name, "no such column in the header", allowed)
+
+
+def column_of_numbers(
+    path: Path, column: str, lines: Sequence[int], cells: Sequence[str]
+) -> np.ndarray:
+    """A column of finite numbers."""
+    found = finite_numbers(cells)
+    if found is None:  # the first that is none is named
+        found = [number(path, column, *at) for at in zip(lines, cells, strict=True)]
+    return np.array(found)
 
 
 def number(path: Path, column: str, line: int, text: str) -> float:

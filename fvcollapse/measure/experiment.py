@@ -7,6 +7,7 @@ simulation of it runs (`Experiment.case`). A `[truth]` section is never looked a
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,7 +62,7 @@ class Experiment:
     curves: dict
     scalars: tuple
 
-    @property
+    @cached_property
     def name(self) -> str:
         """Name of the folder."""
         return self.folder.resolve().name

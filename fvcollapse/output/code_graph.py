@@ -6,9 +6,12 @@ module that define nothing stand together at (module, "").
 
 import ast
 import hashlib
-from collections.abc import Collection, Iterable
+from collections import deque
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+
+BLOCKS = ("body", "handlers", "orelse", "finalbody", "cases")  # where a statement holds others
 
 
 class Part(NamedTuple):
@@ -174,7 +177,7 @@ class Module:
             self.definitions[""] = statements = ast.Module(others, [])
             for defined in bound_names(statements):  # under a condition, in a loop
                 self._define(defined, statements)
-        for statement in filter(is_import, ast.walk(tree)):
+        for statement in filter(is_import, statements_in(tree)):
             self._add_import(statement)
 
     def _define(self, name, node):
@@ -192,6 +195,17 @@ class Module:
                 self.imports[name] = ".".join(dotted[1:-1]), dotted[-1]
             else:
                 self.foreign[name] = ".".join(dotted)
+
+
+def statements_in(tree: ast.AST) -> Iterator[ast.AST]:
+    """The statements of a tree, those inside others included; expressions, which are most nodes, are not visited."""
+    waiting = deque([tree])
+    while waiting:
+        node = waiting.popleft()
+        for name in BLOCKS:
+            inside = getattr(node, name, ())
+            yield from inside
+            waiting.extend(inside)
 
 
 def defined_names(node: ast.AST) -> list[str]:

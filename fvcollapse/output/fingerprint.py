@@ -25,6 +25,7 @@ definitions are the same, apart from what is left out.
 
 import ast
 import hashlib
+import sys
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -32,7 +33,6 @@ from typing import Any
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
-from fvcollapse.step.terms import Terms
 from fvcollapse.version import __version__
 
 # (module, definition) that a run starts from: fields, series, profiles and what is observed of them
@@ -67,6 +67,18 @@ def solver_version(effects: Sequence[str] | None = None) -> str:
     return f"{__version__}+{solver_digest(Path(__file__).parents[1], names)[:12]}"
 
 
+def package_mark(package: Path = Path(__file__).parents[1]) -> str:
+    """A digest of where the files of the package stand, their sizes and times of change, and of this Python.
+
+    Where two processes find the same, their solvers are the same; it takes milliseconds.
+    """
+    marks = [sys.version]
+    for path in sorted(package.rglob("*.py")):
+        status = path.stat()
+        marks.append(f"{path} {status.st_size} {status.st_mtime_ns}")
+    return hashlib.sha256("\n".join(marks).encode()).hexdigest()
+
+
 @cache
 def solver_digest(package: Path, effects: tuple[str, ...]) -> str:
     """Digest of the solver in a folder, for a tuple of effects in the order in which they act."""
@@ -87,6 +99,8 @@ def roots_of(code: CodeGraph, effect: str) -> list[tuple[str, str]]:
     definition = code.node(module, "EFFECT")
     if definition is None:
         return []
+    from fvcollapse.step.terms import Terms  # loads the compiler
+
     stages = [(f"step.{term_of(definition)}", stage) for stage in Terms._fields]
     return [(module, "EFFECT"), *(place for place in stages if code.node(*place) is not None)]
 
@@ -133,7 +147,7 @@ class Counted(ast.NodeTransformer):
             node.body = [part for part in node.body if is_method(part)]
             if not node.body:
                 return ""
-        return ast.unparse(ast.fix_missing_locations(self.visit(node)))
+        return ast.unparse(self.visit(node))
 
     def note_fields(self, section: ast.AST) -> None:
         """Note the sections inside a section: their methods count."""
