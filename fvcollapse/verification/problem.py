@@ -77,7 +77,7 @@ def errors_on(problem: Problem, cells: int) -> np.ndarray:
 
 
 def fitted_order(grids: Sequence[int], errors: Sequence[float]) -> float | None:
-    """Least-squares slope of log(error) against log(cell size); None if an error is zero or NaN."""
-    if not all(0.0 < error < math.inf for error in errors):
+    """Least-squares slope of log(error) against log(cell size); None on one grid, or if an error is zero or NaN."""
+    if len(errors) < 2 or not all(0.0 < error < math.inf for error in errors):
         return None
     return float(-np.polyfit(np.log(grids), np.log(errors), 1)[0])
