@@ -14,12 +14,31 @@ from pathlib import Path
 
 from fvcollapse.errors import FvcollapseError, InputError
 from fvcollapse.files.atomic import write_atomic
+from runs.readme_acceptance import (
+    matrix_says,
+    random_cases,
+    refinement,
+    refinement_says,
+    runouts,
+)
 from runs.readme_blind import blind_scores
+from runs.readme_comparison import bars, bars_say, steady_front
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
+from runs.readme_facts import beds, facts, finer, grid, grid_says
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
 from runs.readme_paper import statements_by_verdict
-from runs.readme_reports import diagnosis_example, laboratories, runouts, verification
+from runs.readme_particles import (
+    cohesion,
+    packings,
+    rule,
+    shape,
+    shape_says,
+    thin_layers,
+    validation,
+)
+from runs.readme_reports import diagnosis_example, laboratories, verification
 from runs.readme_stamps import made_by
+from runs.readme_walls import walls, walls_say
 
 ROOT = Path(__file__).parents[1]
 COMMAND = "python -m runs.readme"
@@ -36,6 +55,27 @@ PARTS = {
     "cost-sweeps": cost_of_sweeps,
     "cost-effects": cost_of_effects,
     "runouts": runouts,
+    "acceptance": matrix_says,
+    "acceptance-grid": refinement,
+    "acceptance-grid-says": refinement_says,
+    "acceptance-random": random_cases,
+    "bars": bars,
+    "bars-say": bars_say,
+    "steady-front": steady_front,
+    "facts": facts,
+    "facts-finer": finer,
+    "facts-beds": beds,
+    "facts-grid": grid,
+    "facts-grid-says": grid_says,
+    "particles-validation": validation,
+    "particles-thin-layers": thin_layers,
+    "particles-rule": rule,
+    "particles-walls": walls,
+    "particles-walls-say": walls_say,
+    "particles-shape": shape,
+    "particles-shape-says": shape_says,
+    "particles-cohesion": cohesion,
+    "particles-packings": packings,
     "stamps": made_by,
     "paper": statements_by_verdict,
     "laboratories": laboratories,

@@ -16,7 +16,7 @@ TEXT_WIDTH = 100
 NOT_ASKED = ("not asked yet", "–", "–", "–", "–")
 
 
-# -- verification and collapses ------------------------------------------------------------------
+# -- verification --------------------------------------------------------------------------------
 
 
 def verification():
@@ -24,30 +24,6 @@ def verification():
     return markdown_table(
         stored("verification", "verify.json"), {problem.name: problem for problem in PROBLEMS}
     )
-
-
-def runouts():
-    """Runout, front velocity and arrest of the collapses of the acceptance study, w = 10 cm and without walls."""
-    rows = {row["name"]: row for row in read_table(RUNS / "acceptance" / "matrix.csv")}
-    lines = []
-    for slope in sorted({int(name[1:].partition("_")[0]) for name in rows}):
-        both = [rows[f"a{slope}_{width}"] for width in ("w0.1", "winf")]
-        lines.append(
-            (
-                f"{slope}°, 10 cm / ∞",
-                pair(both, "runout", ".3f", "m"),
-                pair(both, "runout_10mm", ".3f", "m"),
-                pair(both, "peak_front_velocity", ".2f", "m/s"),
-                pair(both, "rest_since", ".2f", "s"),
-            )
-        )
-    heading = ("α, w", "runout (5 mm)", "runout (10 mm)", "peak front velocity", "at rest since")
-    return table(heading, lines)
-
-
-def pair(rows, name, form, unit):
-    """A column of two rows with its unit."""
-    return " / ".join(format(float(row[name]), form) for row in rows) + f" {unit}"
 
 
 # -- laboratories --------------------------------------------------------------------------------

@@ -23,12 +23,15 @@ def made_by():
 
 def solver_of(task, stamps):
     """The code that the stamps of all tables of a task name."""
-    found = set()
-    for name in files_of(task.makes):
-        stamp = stamps.get(name)
-        valid = stamp and (ROOT / name).exists() and stamp["content"] == digest(ROOT / name)
-        found.add(stamp["code"] if valid else OLDER)
+    found = {stamped_code(name, stamps) for name in files_of(task.makes)}
     return found.pop() if len(found) == 1 else OLDER
+
+
+def stamped_code(name, stamps):
+    """The code that the stamp of a table names, `OLDER` if there is none or the table has changed since."""
+    stamp = stamps.get(name)
+    valid = stamp and (ROOT / name).exists() and stamp["content"] == digest(ROOT / name)
+    return stamp["code"] if valid else OLDER
 
 
 def told(names):
@@ -38,3 +41,16 @@ def told(names):
         study, _, part = name.partition(" ")
         studies.setdefault(study, []).append(f"`{part}`" if part else "all")
     return "; ".join(f"{study}: {', '.join(parts)}" for study, parts in studies.items())
+
+
+def solver_line(*names):
+    """A paragraph that names the solver of some tables below `runs`; it ends a generated part."""
+    stamps = read_stamps()
+    found = {stamped_code(f"runs/{name}", stamps) for name in names}
+    solver = (
+        "an earlier solver"
+        if OLDER in found
+        else "solver " + ", ".join(f"`{of}`" for of in sorted(found))
+    )
+    tables = ", ".join(f"`{name}`" for name in names)
+    return f"\nMade by {solver}: {tables}.\n"

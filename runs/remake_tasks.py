@@ -94,6 +94,11 @@ PAPER = (
     "runs/paper/rough*/*/scalars.csv",
     "runs/paper/rough*/*/curves.csv",
 )
+COMPARED = tuple(
+    f"runs/comparison/{part}{kind}.csv"
+    for part in ("columns", "volume_of_fluid", "channel", "plane")
+    for kind in ("", "_profiles")
+)
 STATEMENTS = ("runs/paper/statements.csv", "runs/paper/statements.md")
 LABORATORY = "particle_laboratory"
 PAPER_PARTS = {  # part: CPU s
@@ -131,11 +136,17 @@ def paper(part, cpu_s):
 TASKS = (
     study("comparison", "bars", ("bars.csv",), ("thin_layer",), 60.0, ""),
     study("paper_facts", "grid", ("grid.csv",), THIN, 300.0),
-    study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 180.0, "dem"),
+    study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 350.0, "dem"),
     study(LABORATORY, "walls", ("walls.csv",), None, 120.0, "dem"),
     study(LABORATORY, "shape", ("shape.csv",), None, 60.0, "dem"),
     study(LABORATORY, "closures", ("closures.csv",), None, 120.0, "dem"),
     study(LABORATORY, "validation", ("validation.csv", "curves.csv"), (), 60.0, "dem"),
+    figures(
+        LABORATORY,
+        LABORATORY,
+        ("particle_laboratory_*",),
+        ("runs/particle_laboratory/validation.csv", "runs/particle_laboratory/curves.csv"),
+    ),
     study("acceptance", "matrix", ("matrix.csv",), WALLS, 60.0),
     study("acceptance", "grid", ("grid.csv",), WALLS, 25.0),
     study("acceptance", "time_step", ("time_step.csv",), WALLS, 15.0),
@@ -143,7 +154,7 @@ TASKS = (
         "acceptance",
         "runout_against_slope",
         ("runout_against_slope.*",),
-        ("runs/acceptance/matrix.csv",),
+        ("runs/acceptance/matrix.csv", "runs/acceptance/grid.csv"),
     ),
     *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
     Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
@@ -183,6 +194,20 @@ TASKS = (
     ),
     study("comparison", "channel", ("channel.csv", "channel_profiles.csv"), WALLS, 180.0),
     study("comparison", "plane", ("plane.csv", "plane_profiles.csv"), (), 70.0),
+    Task(
+        "comparison differences",
+        ("runs.comparison.study", "differences", "--data", "{data}"),
+        ("runs/comparison/differences.csv", "runs/comparison/deposit_shapes.csv"),
+        (),
+        10.0,
+        COMPARED,
+    ),
+    figures(
+        "comparison",
+        "comparison",
+        ("comparison_*",),
+        (*COMPARED, "runs/comparison/deposit_shapes.csv", "runs/comparison/reference/*.csv"),
+    ),
     study("comparison", "steady_front", ("steady_front.csv",), ("thin_layer",), 240.0, ""),
     study("acceptance", "random", ("random.csv",), WALLS, 600.0),
     report("verification", ("verify",), "verification/verify.json", 300.0),

@@ -159,3 +159,17 @@ def test_an_effect_is_called_by_its_name(tmp_path):
     assert row["probability"] == pytest.approx(0.7)
     assert row["experiments"] == "flat_3mm steep_3mm"
     assert "an effect 1" in study.summary({"series_3mm": answer})
+
+
+def test_hints_do_not_void_answers_and_statements_do(tmp_path):
+    path = tmp_path / "part.py"
+    path.write_text("import math\n\ndef half(x):\n    y = x / 2\n    return y\n", encoding="utf-8")
+    plain = study.digest_of(tmp_path)
+    path.write_text(
+        "import math\nfrom typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n    import numpy\n\n"
+        'def half(x: float) -> float:\n    """Half."""\n    y: float = x / 2  # of it\n    return y\n',
+        encoding="utf-8",
+    )
+    assert study.digest_of(tmp_path) == plain
+    path.write_text("def half(x):\n    y = x / 3\n    return y\n", encoding="utf-8")
+    assert study.digest_of(tmp_path) != plain

@@ -32,6 +32,20 @@ def test_velocity_of_a_parabolic_front_is_exact():
     np.testing.assert_allclose(measures.front_velocity(front), 0.5 + 0.6 * TIME, atol=1e-9)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.3, 1.0])
+def test_the_time_of_the_peak_is_the_middle_of_what_is_fast(phase):
+    """A flat peak from 0.30 to 0.50 s, on which a ripple of 2 % moves the largest value about."""
+    ripple = 0.02 * np.sin(2.0 * np.pi * (TIME / 0.09 + phase))
+    trapeze = np.clip(np.minimum(TIME / 0.3, (0.8 - TIME) / 0.3), 0.0, 1.0)
+    velocity = 1.2 * trapeze * (1.0 + ripple * (trapeze == 1.0))
+    assert measures.peak_time(velocity) == pytest.approx(0.40, abs=0.01)
+    assert measures.peak_time(1.2 * trapeze) == pytest.approx(0.40, abs=1e-9)
+
+
+def test_a_front_that_is_fastest_at_the_end_has_its_peak_before_the_end():
+    assert measures.peak_time(TIME) == pytest.approx(0.5 * 1.95 * TIME[-1], abs=0.01)
+
+
 def test_plateau_is_found_where_it_is():
     found = measures.plateau(rising_to(1.2, two_slopes))
     # the slope is a fit over 140 ms, so that each end is blurred by about half of that

@@ -221,8 +221,8 @@ def test_finer_grids_are_asked_for_where_they_decide(two_beds):
         (found,) = settled.settle([claim_of(value, error=error, front=False)], two_beds)
         return finer([found], two_beds, finest)
 
-    # on two grids so far where the grains slide, on three on the rough bed
-    assert asked(0.55, 0.1) == [("", "muI_a22_w10", 2.0), ("rough", "muI_a22_w10", 3.0)]
+    # on two grids so far where the grains slide; the rough bed does not decide in the place of the paper's reading
+    assert asked(0.55, 0.1) == [("", "muI_a22_w10", 2.0)]
     assert asked(0.55, 0.1, finest=2.0) == [("", "muI_a22_w10", 2.0)]
     assert asked(0.55, 0.01) == []  # decided
     assert asked(0.501, 0.1) == []  # on its limit

@@ -5,5 +5,6 @@
 - How it is answered: `case_evidence`, `evidence_file`, `answers`, `simple_rules`, `verdict_training`.
 - How it is scored: `outcomes`, `metrics`, `calibration`, `comparisons`, `distances`, `score`, `score_table`.
 
-`forms` holds the forms of the files. Nothing in `fvcollapse.diagnosis` imports from here.
+`forms` holds the forms of the files, `plain_values` their types for hints. Nothing in
+`fvcollapse.diagnosis` imports from here.
 """

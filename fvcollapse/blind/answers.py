@@ -1,9 +1,12 @@
 """The answers of the diagnosis to the cases of a suite."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fvcollapse.blind.evidence_file import read_evidence
+from fvcollapse.blind.plain_values import Answer, Content
 from fvcollapse.blind.simple_rules import SIMPLE, simple_answer
 from fvcollapse.diagnosis.names import UNKNOWN
 from fvcollapse.diagnosis.verdict import verdict
@@ -11,8 +14,15 @@ from fvcollapse.diagnosis.verdict_model import class_prior
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Report
+    from fvcollapse.diagnosis.verdict import Verdict
+    from fvcollapse.diagnosis.verdict_model import VerdictModel
 
-def answers(out, model=None, simple=None):
+
+def answers(
+    out: str | Path, model: "VerdictModel | None" = None, simple: str | None = None
+) -> dict[str, Answer]:
     """{case: answer} of every file of evidence in a folder.
 
     Parameters
@@ -22,7 +32,7 @@ def answers(out, model=None, simple=None):
     simple : str, optional
         Key of `SIMPLE`: the answers of that rule instead.
     """
-    answered = {}
+    answered: dict[str, Answer] = {}
     for path in sorted(Path(out).glob("*.json")):
         content, evidence = read_evidence(path)
         if simple is not None:
@@ -35,7 +45,7 @@ def answers(out, model=None, simple=None):
     return answered
 
 
-def no_answer(names):
+def no_answer(names: Sequence[str]) -> Answer:
     """The answer to a case that could not be compared: the prior, with every name open."""
     return {
         "verdict": UNKNOWN,
@@ -45,7 +55,7 @@ def no_answer(names):
     }
 
 
-def answer_of_verdict(content, judged):
+def answer_of_verdict(content: Content, judged: "Verdict") -> Answer:
     """A `Verdict` on the content of a file of evidence as an answer."""
     return {
         "verdict": judged.kind,
@@ -59,10 +69,10 @@ def answer_of_verdict(content, judged):
     }
 
 
-def answer_of_report(report):
+def answer_of_report(report: "Report") -> Answer:
     """The answer that a report of the diagnosis gives."""
     verdict, rungs = report.verdict, {rung.model: rung for rung in report.details.ladder}
-    answer = {
+    answer: Answer = {
         "verdict": verdict.kind,
         "probability": verdict.probability,
         "set": list(verdict.set),
@@ -77,9 +87,9 @@ def answer_of_report(report):
         },
     }
     if "winner" in rungs:
-        fitted, second = rungs["winner"].fitted, rungs.get("runner_up")
+        fitted, other = rungs["winner"].fitted, rungs.get("runner_up")
         winner = rungs["winner"].held_out or fitted
-        second = (second.held_out or second.fitted) if second else None
+        second = (other.held_out or other.fitted) if other else None
         answer["reduction"] = {
             "predicted": fitted.predicted,  # by the emulator, which knows the fitted experiments
             "actual": fitted.fraction_closed,
@@ -89,6 +99,6 @@ def answer_of_report(report):
     return answer
 
 
-def write_answers(path, answered):
+def write_answers(path: str | Path, answered: Mapping[str, Answer]) -> None:
     """Write answers as JSON."""
     write_atomic(path, (json.dumps(answered, indent=1) + "\n").encode(), running=False)

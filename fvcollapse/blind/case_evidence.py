@@ -6,7 +6,9 @@ controls in common, follow one another.
 """
 
 import json
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fvcollapse.blind.evidence_file import content_of
 from fvcollapse.diagnosis.analysis import analyse
@@ -15,8 +17,13 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
-from fvcollapse.measure.experiment import SETTINGS, load_experiment
+from fvcollapse.measure.experiment import SETTINGS, Experiment, load_experiment
 from fvcollapse.studies.workers import HERE, Resources, run_all
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.measure.observables import Observations
 
 BATCH = 15  # cases that a worker takes at once
 CONTROLS = "controls"  # folder of a case that holds the controls of its laboratory
@@ -25,11 +32,13 @@ CONTROLS = "controls"  # folder of a case that holds the controls of its laborat
 class RememberingRunner(Runner):
     """A `Runner` that holds the observations that it has read, for the next case of the same design."""
 
-    def __init__(self, folder=None, resources=HERE):
+    def __init__(self, folder: str | Path | None = None, resources: Resources = HERE) -> None:
         super().__init__(folder, *resources)
-        self.remembered = {}
+        self.remembered: dict[tuple, Observations] = {}
 
-    def observations(self, wanted, phase=""):
+    def observations(
+        self, wanted: "Mapping[Any, tuple[Experiment, Case]]", phase: str = ""
+    ) -> "tuple[dict[Any, Observations], dict[Any, FvcollapseError]]":
         """See `Runner.observations`."""
         keys = {
             label: (case, experiment.front_thickness, experiment.time_origin)
@@ -47,7 +56,15 @@ class RememberingRunner(Runner):
         return known, failures
 
 
-def study(folder, out, workers=1, scheduler=None, quiet=True, only=None, **options):
+def study(
+    folder: str | Path,
+    out: str | Path,
+    workers: int = 1,
+    scheduler: str | None = None,
+    quiet: bool = True,
+    only: Collection[str] | None = None,
+    **options: Any,
+) -> dict[str, NumericalError]:
     """Write the evidence of every case of a folder; files that are there stay.
 
     Parameters
@@ -76,12 +93,14 @@ def study(folder, out, workers=1, scheduler=None, quiet=True, only=None, **optio
     return each_batch(keep_batch, calls, Resources(workers, scheduler, quiet))
 
 
-def in_batches(cases):
+def in_batches(cases: Sequence[Path]) -> list[tuple[Path, ...]]:
     """Tuples of at most `BATCH` cases, in order."""
     return [tuple(cases[start : start + BATCH]) for start in range(0, len(cases), BATCH)]
 
 
-def each_batch(task, calls, resources):
+def each_batch(
+    task: Callable[..., dict[str, Any]], calls: dict[tuple[Path, ...], tuple], resources: Resources
+) -> dict[str, Any]:
     """{name of a case: outcome} of a task that returns such a dictionary for every batch of cases.
 
     Parameters
@@ -96,9 +115,9 @@ def each_batch(task, calls, resources):
     FvcollapseError
         Of a batch; a NumericalError becomes the outcome of its cases instead.
     """
-    outcomes = {}
+    outcomes: dict[str, Any] = {}
 
-    def finished(batch, outcome):
+    def finished(batch: tuple[Path, ...], outcome: dict[str, Any] | FvcollapseError) -> None:
         if isinstance(outcome, NumericalError):
             outcomes.update(dict.fromkeys((case.name for case in batch), outcome))
         elif isinstance(outcome, FvcollapseError):
@@ -110,7 +129,7 @@ def each_batch(task, calls, resources):
     return outcomes
 
 
-def case_folders(folder):
+def case_folders(folder: str | Path) -> list[Path]:
     """Folders of the cases, in order.
 
     Raises
@@ -125,20 +144,22 @@ def case_folders(folder):
     return cases
 
 
-def design_of(case):
+def design_of(case: Path) -> tuple[str, ...]:
     """Names of the experiments of a case."""
     return tuple(sorted(path.parent.name for path in case.glob(f"*/{SETTINGS}")))
 
 
-def runner_of(options, resources=HERE):
+def runner_of(options: Mapping[str, Any], resources: Resources = HERE) -> RememberingRunner:
     """The runner of a design, with the cache of the options."""
     return RememberingRunner(options.get("cache"), resources)
 
 
-def analysis_of(case, runner, options):
+def analysis_of(case: Path, runner: Runner, options: Mapping[str, Any]) -> "Analysis":
     """The `Analysis` of a case, with the controls of its laboratory if the options say so."""
     options = {name: value for name, value in options.items() if name != "cache"}
-    asked = {name: options.pop(name) for name in ("cell_size", "seed") if name in options}
+    asked: dict[str, Any] = {
+        name: options.pop(name) for name in ("cell_size", "seed") if name in options
+    }
     experiments = tuple(load_experiment(case / name) for name in design_of(case))
     if options.pop("controls", False):
         folders = sorted((case / CONTROLS).glob(f"*/{SETTINGS}"))
@@ -146,13 +167,15 @@ def analysis_of(case, runner, options):
     return analyse(Question(experiments, **asked), runner, **options)
 
 
-def keep_evidence(case, out, runner, options):
+def keep_evidence(case: Path, out: Path, runner: Runner, options: Mapping[str, Any]) -> None:
     """Write the evidence of one case into a folder."""
     content = content_of(analysis_of(case, runner, options))
     write_atomic(out / f"{case.name}.json", (json.dumps(content) + "\n").encode())
 
 
-def keep_batch(cases, out, options):
+def keep_batch(
+    cases: Iterable[Path], out: Path, options: Mapping[str, Any]
+) -> dict[str, NumericalError]:
     """Write the evidence of some cases; {case: NumericalError} of those that failed."""
     runner, failed = runner_of(options), {}
     for case in cases:

@@ -1,9 +1,11 @@
 """Which cause is hidden in a case, and how strong it is: drawn, not run."""
 
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.blind.plain_values import Drawn
 from fvcollapse.blind.set_ups import BLIND_DESIGNS, TRAINING_DESIGNS
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
@@ -41,16 +43,16 @@ class Style(NamedTuple):
         Share of worlds whose own physics is slight.
     """
 
-    cells: tuple
-    stretch: tuple
-    step: tuple
-    shear_rate_min: tuple
+    cells: tuple[float, float]
+    stretch: tuple[float, float]
+    step: tuple[float, float]
+    shear_rate_min: tuple[float, float]
     scheme: str
     first_closure: int
-    unknowns: tuple
-    worlds: tuple
-    error_lengths: tuple
-    designs: tuple
+    unknowns: tuple[str, ...]
+    worlds: tuple[str, ...]
+    error_lengths: tuple[float, float]
+    designs: tuple[tuple[str, ...], ...]
     slight_share: float = 0.5
 
 
@@ -86,12 +88,12 @@ BLIND = Style(
 )
 
 
-def known_effects():
+def known_effects() -> tuple[str, ...]:
     """Names of the effects that can be a cause."""
     return tuple(name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE)
 
 
-def draw_classes(count, rng):
+def draw_classes(count: int, rng: np.random.Generator) -> list[str]:
     """Classes of a blind suite; their frequencies are drawn as well and not published.
 
     About three in ten are none, two in ten unknown, one in twenty a pair; the others are single effects
@@ -109,7 +111,7 @@ def draw_classes(count, rng):
     return rng.permutation(classes[:count]).tolist()
 
 
-def dealt(causes, hidden):
+def dealt(causes: Sequence[str], hidden: Sequence[Collection[str]]) -> list[str]:
     """Causes dealt to the worlds in turn, none of them an effect that its world has already.
 
     Parameters
@@ -137,12 +139,12 @@ def dealt(causes, hidden):
     return causes
 
 
-def draw_pair(rng):
+def draw_pair(rng: np.random.Generator) -> str:
     """Name of two effects together."""
     return "+".join(sorted(rng.choice(known_effects(), 2, replace=False).tolist()))
 
 
-def draw_effect(name, style, rng):
+def draw_effect(name: str, style: Style, rng: np.random.Generator) -> Drawn:
     """{"closure": index, "section": keys of `[effects.<name>]`, "quantiles": {parameter: u}}."""
     effect = CATALOGUE[name]
     closures = range(len(effect.variants))[style.first_closure :: 2] or (0,)

@@ -5,15 +5,19 @@ References
 McNemar (1947), Psychometrika 12, 153.
 """
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 from scipy.stats import binomtest
 
-from fvcollapse.blind.outcomes import bootstrapped, share
+from fvcollapse.blind.outcomes import Outcome, bootstrapped, share
+from fvcollapse.blind.plain_values import Average, Reduction
 
 NORMAL_90 = 3.2897  # width of a central interval of 90 % in standard deviations
 
 
-def mcnemar(first, second):
+def mcnemar(first: Sequence[Outcome], second: Sequence[Outcome]) -> dict[str, float]:
     """Whether two diagnoses of the same cases differ: discordant cases and the exact p-value.
 
     Parameters
@@ -33,7 +37,7 @@ def mcnemar(first, second):
     return {"only_first": only_first, "only_second": only_second, "p_value": p_value}
 
 
-def parameter_scores(rows):
+def parameter_scores(rows: Sequence[Mapping[str, Any]]) -> dict[str, Average | None]:
     """Errors of estimated parameters in their standard deviations, and coverage of the 90 % intervals.
 
     Parameters
@@ -41,15 +45,15 @@ def parameter_scores(rows):
     rows : list of dict
         With `true`, `value`, `low`, `high`.
     """
-    z = [
+    errors = [
         NORMAL_90 * (row["value"] - row["true"]) / (row["high"] - row["low"])
         for row in rows
         if row["high"] > row["low"]
     ]
     covered = share(row["low"] <= row["true"] <= row["high"] for row in rows)
-    if len(z) < 2:
+    if len(errors) < 2:
         return {"z_mean": None, "z_sd": None, "interval_90_covers": covered}
-    z = np.array(z)
+    z = np.array(errors)
     return {
         "z_mean": bootstrapped(lambda i: z[i].mean(), len(z)),
         "z_sd": bootstrapped(lambda i: z[i].std(), len(z)),
@@ -57,7 +61,9 @@ def parameter_scores(rows):
     }
 
 
-def reduction_scores(rows, tolerance=0.15):
+def reduction_scores(
+    rows: Sequence[Reduction], tolerance: float = 0.15
+) -> dict[str, Average | None]:
     """Predicted beside actual reduction of the gap, and winner beside runner-up.
 
     Parameters
@@ -68,12 +74,11 @@ def reduction_scores(rows, tolerance=0.15):
     tolerance : float
         Largest difference that counts as right.
     """
-    both = [
-        (r["predicted"], r["actual"]) for r in rows if None not in (r["predicted"], r["actual"])
-    ]
+    pairs = [(r["predicted"], r["actual"]) for r in rows]
+    both = [(p, a) for p, a in pairs if p is not None and a is not None]
     duels = [(r.get("winner", r["actual"]), r["runner_up"]) for r in rows]
-    duel = [pair for pair in duels if None not in pair]
-    table = {
+    duel = [(a, b) for a, b in duels if a is not None and b is not None]
+    table: dict[str, Average | None] = {
         "within_tolerance": share(abs(p - a) <= tolerance for p, a in both),
         "winner_beats_runner_up": share(a > b for a, b in duel),
         "rms": None,
@@ -87,7 +92,7 @@ def reduction_scores(rows, tolerance=0.15):
     return table
 
 
-def slope(x, y):
+def slope(x: np.ndarray, y: np.ndarray) -> float:
     """Least-squares slope of y over x; NaN where x does not vary."""
     spread = ((x - x.mean()) ** 2).sum()
     return ((x - x.mean()) * (y - y.mean())).sum() / spread if spread > 0.0 else np.nan

@@ -7,7 +7,7 @@ from fvcollapse.blind.labels import read_labels
 from fvcollapse.blind.separation import distance
 
 
-def distances(evidence, labels):
+def distances(evidence: str | Path, labels: str | Path) -> dict[str, float]:
     """{case: d} of every case with one effect or two: its distance to the nearest other hypothesis.
 
     A case that could not be compared is left out; see `separation.distance`.

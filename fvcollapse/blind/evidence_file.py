@@ -1,11 +1,14 @@
 """A file of evidence: what is kept of the analysis of one case, and the form that it must have."""
 
-from typing import Annotated
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
 
 from fvcollapse.blind.forms import NAMES, Share, Whole, is_name, read_form
+from fvcollapse.blind.plain_values import Content
 from fvcollapse.blind.separation import separation_of
 from fvcollapse.blind.simple_rules import chi_square, signature
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
@@ -16,6 +19,9 @@ from fvcollapse.errors import InputError
 from fvcollapse.measure.quantities import QUANTITIES
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.output.forms import form_problems
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
 
 FORMAT = "fvcollapse-evidence"
 QUANTILE_ENDS = 0.002  # of reported parameters: some priors have no end
@@ -85,8 +91,9 @@ class EvidenceFile(msgspec.Struct):
     separation: Separation
 
 
-def content_of(analysis):
+def content_of(analysis: "Analysis") -> Content:
     """The content of the file of an analysis, as plain values."""
+    left = analysis.evidence.left
     return {
         "format": FORMAT,
         "solver": solver_version(),
@@ -96,21 +103,21 @@ def content_of(analysis):
             for name, hypothesis in analysis.evidence.hypotheses.items()
         },
         "mass_balance": stored_balance(analysis.evidence.balance),
-        "left": analysis.evidence.left._asdict(),
+        "left": None if left is None else left._asdict(),
         "classes": [list(group) for group in analysis.separability.classes],
         "separation": separation_of(analysis),
         "simple": {"chi_square": chi_square(analysis), "signature": signature(analysis)},
     }
 
 
-def stored_balance(balance):
+def stored_balance(balance: MassBalance | None) -> list[Any] | None:
     """A `MassBalance` as plain values, None if there is none."""
     return None if balance is None else [part.tolist() for part in balance]
 
 
-def stored_hypothesis(analysis, hypothesis):
+def stored_hypothesis(analysis: "Analysis", hypothesis: Hypothesis) -> dict[str, Any]:
     """A hypothesis as plain values, with the parameters of a single effect."""
-    stored = {name: float(getattr(hypothesis, name)) for name in NUMBERS}
+    stored: dict[str, Any] = {name: float(getattr(hypothesis, name)) for name in NUMBERS}
     stored |= {name: getattr(hypothesis, name).tolist() for name in ARRAYS}
     stored |= {"variant": list(hypothesis.variant), "p_by_run": hypothesis.p_by_run}
     stored |= {"closes": hypothesis.closes, "worsens": list(hypothesis.worsens)}
@@ -132,7 +139,7 @@ def stored_hypothesis(analysis, hypothesis):
     return stored
 
 
-def read_evidence(path):
+def read_evidence(path: str | Path) -> tuple[Content, Evidence]:
     """(content, `Evidence`) of a file.
 
     Raises
@@ -141,26 +148,25 @@ def read_evidence(path):
     """
     content = read_content(path)
     hypotheses = {
-        name: Hypothesis(
-            name=name,
-            variant=tuple(stored["variant"]),
-            p_by_run=stored["p_by_run"],
-            p_by_phase={},
-            difference=EMPTY,
-            closes=stored["closes"],
-            worsens=tuple(stored["worsens"]),
-            **{key: stored[key] for key in NUMBERS},
-            **{key: np.array(stored[key]) for key in ARRAYS},
-        )
-        for name, stored in content["hypotheses"].items()
+        name: read_hypothesis(name, stored) for name, stored in content["hypotheses"].items()
     }
-    stored = content["mass_balance"]
-    balance = None if stored is None else MassBalance(*map(np.array, stored))
-    left = None if content["left"] is None else Left(**content["left"])
-    return content, Evidence(hypotheses, balance, left)
+    balance = content["mass_balance"]
+    return content, Evidence(
+        hypotheses,
+        None if balance is None else MassBalance(*map(np.array, balance)),
+        None if content["left"] is None else Left(**content["left"]),
+    )
 
 
-def read_content(path):
+def read_hypothesis(name: str, stored: Mapping[str, Any]) -> Hypothesis:
+    """A hypothesis from plain values, see `stored_hypothesis`."""
+    values: dict[str, Any] = {key: stored[key] for key in (*NUMBERS, "p_by_run", "closes")}
+    values |= {key: np.array(stored[key]) for key in ARRAYS}
+    values |= {key: tuple(stored[key]) for key in ("variant", "worsens")}
+    return Hypothesis(name=name, p_by_phase={}, difference=EMPTY, **values)
+
+
+def read_content(path: str | Path) -> Content:
     """The content of a file of evidence.
 
     Raises
@@ -173,7 +179,7 @@ def read_content(path):
     return content
 
 
-def evidence_problems(content):
+def evidence_problems(content: Any) -> Iterator[tuple[str, str, str]]:
     """(key, found, allowed) of what is wrong in the content of a file."""
     wrong = list(form_problems(content, EvidenceFile))
     if wrong:

@@ -5,12 +5,14 @@ set-ups that are known.
 """
 
 import re
-from typing import Annotated, Literal
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 import msgspec
 
 from fvcollapse.blind.set_ups import CONTROL, SET_UPS, STATEMENTS
-from fvcollapse.case.grammar import closest_name, show
+from fvcollapse.case.grammar import Section, closest_name, show
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
@@ -60,7 +62,7 @@ class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
     waves: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
     phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if len(self.waves) != len(self.phases):
             raise ValueError("as many phases as waves")
 
@@ -73,7 +75,7 @@ class SmoothError(msgspec.Struct, tag_field="kind", tag="smooth_error"):
     waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
     phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if len(self.waves) != len(self.phases):
             raise ValueError("as many phases as waves")
 
@@ -148,7 +150,7 @@ class Entry(msgspec.Struct):
     label: Label
 
 
-def label_problems(entry):
+def label_problems(entry: Any) -> Iterator[tuple[str, str, str]]:
     """(key, found, allowed) of what is wrong in an entry of the labels."""
     wrong = list(form_problems(entry, Entry))
     if wrong:
@@ -177,13 +179,14 @@ def label_problems(entry):
                 yield key, show(name), f"set-ups; the closest is {nearest}"
 
 
-def drawn_problems(name, drawn):
+def drawn_problems(name: str, drawn: Any) -> Iterator[tuple[str, str, str]]:
     """The same for one effect."""
     key = f"label.effects.{name}"
     if name not in CATALOGUE:
         yield "label.effects", show(name), "effects of the catalogue"
         return
-    variants, keys = CATALOGUE[name].variants, CATALOGUE[name].section.__struct_fields__
+    section: type[Section] = CATALOGUE[name].section
+    variants, keys = CATALOGUE[name].variants, section.__struct_fields__
     if drawn["closure"] >= len(variants):
         yield f"{key}.closure", f"{drawn['closure']}", f"0 to {len(variants) - 1}"
     for parameter in drawn["quantiles"]:
@@ -239,7 +242,7 @@ class Answer(msgspec.Struct):
     reduction: Reduction | msgspec.UnsetType = msgspec.UNSET
 
 
-def answer_problems(answer):
+def answer_problems(answer: Any) -> Iterator[tuple[str, str, str]]:
     """(key, found, allowed) of what is wrong in an answer."""
     wrong = list(form_problems(answer, Answer))
     if wrong:
@@ -265,7 +268,7 @@ def answer_problems(answer):
 # -- files -------------------------------------------------------------------------------------------------
 
 
-def is_name(name):
+def is_name(name: str) -> bool:
     """Whether a name can be a cause."""
     if name in (NONE, UNKNOWN):
         return True
@@ -274,7 +277,7 @@ def is_name(name):
     return 1 <= len(parts) <= 2 and set(parts) <= known and parts == sorted(set(parts))
 
 
-def read_form(path, kind, part="cases"):
+def read_form(path: str | Path, kind: str, part: str = "cases") -> Any:
     """A JSON object of a format with a table `part`; a defect is one InputError."""
     table = read_object(path, f"a {kind} file")
     if table.get("format") != kind or not isinstance(table.get(part), dict):
@@ -282,7 +285,7 @@ def read_form(path, kind, part="cases"):
     return table
 
 
-def refuse_names(path, cases):
+def refuse_names(path: str | Path, cases: Iterable[str]) -> None:
     """Refuse names of cases that are anything but `case_<digits>`."""
     for name in cases:
         if not CASE_NAME.fullmatch(name):

@@ -4,11 +4,15 @@ A label is a tree of plain numbers from which the case can be made again. It is 
 class, a style and a world, so that a suite can be continued.
 """
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
-from fvcollapse.blind.causes import draw_effect
+from fvcollapse.blind.causes import Style, draw_effect
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.blind.set_ups import CONTROL, STATEMENTS, set_up_of
+from fvcollapse.blind.plain_values import Keys, Label, Outside, Run, World
+from fvcollapse.blind.set_ups import CONTROL, STATEMENTS, SetUp, set_up_of
 from fvcollapse.blind.worlds import draw_world, folded, numerics_keys
 from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
@@ -20,7 +24,9 @@ END_MARGIN = 0.03  # s after the last frame
 CLOCK_MARGIN = 1.15  # factor on the end where a clock may be slow
 
 
-def drawn_world(name, style, seed, cells=None):
+def drawn_world(
+    name: str, style: Style, seed: int, cells: tuple[float, float] | None = None
+) -> World:
     """A world (see `worlds.draw_world`) with its `controls`: {name: run}, as the experiments of a label.
 
     Raises
@@ -43,7 +49,9 @@ def drawn_world(name, style, seed, cells=None):
     raise ValueError(f"{TRIES} draws of {name} do not fit together")
 
 
-def draw_label(cause, style, seed, world, design=None):
+def draw_label(
+    cause: str, style: Style, seed: int, world: World, design: Sequence[str] | None = None
+) -> Label:
     """The label of a case.
 
     Parameters
@@ -72,7 +80,9 @@ def draw_label(cause, style, seed, world, design=None):
     raise ValueError(f"{TRIES} draws for {cause} do not fit together")
 
 
-def try_label(cause, style, rng, world, design):
+def try_label(
+    cause: str, style: Style, rng: np.random.Generator, world: World, design: Sequence[str] | None
+) -> Label:
     """One draw of a label.
 
     Raises
@@ -96,7 +106,13 @@ def try_label(cause, style, rng, world, design):
     }
 
 
-def draw_run(name, sections, outside, world, rng):
+def draw_run(
+    name: str,
+    sections: dict[str, Keys],
+    outside: Outside,
+    world: World,
+    rng: np.random.Generator,
+) -> Run:
     """One run of a world: `case`, `forces`, `readings` and `noise`.
 
     Parameters
@@ -122,12 +138,18 @@ def draw_run(name, sections, outside, world, rng):
     }
 
 
-def draw_truth(set_up, sections, outside, world, rng):
+def draw_truth(
+    set_up: SetUp,
+    sections: dict[str, Keys],
+    outside: Outside,
+    world: World,
+    rng: np.random.Generator,
+) -> Case:
     """The `Case` of one run: the set-up as it really was."""
     stated, common = set_up.stated(), world["common"]
     slow_clock = any(reading["kind"] == "clock" for reading in outside.get("readings", ()))
     end = (CLOCK_MARGIN if slow_clock else 1.0) * set_up.end + END_MARGIN
-    changes = stated | world["material"] | numerics_keys(world["numerics"], set_up)
+    changes: dict[str, Any] = stated | world["material"] | numerics_keys(world["numerics"], set_up)
     for key, sd in STATEMENTS[world["statement"]].sd.items():
         if key in common:
             changes[key] = abs(stated[key] + sd * common[key])
@@ -150,7 +172,9 @@ def draw_truth(set_up, sections, outside, world, rng):
     return Case().replace(**changes)
 
 
-def stretched(polygon, changes):
+def stretched(
+    polygon: Sequence[Sequence[float]], changes: Mapping[str, float]
+) -> list[list[float]]:
     """A polygon, drawn for a column, for the column that was set up."""
     length = max(x for x, _ in polygon)
     area = sum(

@@ -5,6 +5,8 @@ They are kept in one file outside the folder of the cases, readable to their own
 
 import json
 import os
+from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +14,7 @@ import numpy as np
 from fvcollapse.blind.causes import BLIND, Style, dealt, draw_classes
 from fvcollapse.blind.forms import label_problems, read_form, refuse_names
 from fvcollapse.blind.generator import draw_label, drawn_world
+from fvcollapse.blind.plain_values import Entry, Plan
 from fvcollapse.blind.worlds import world_seeds
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import InputError
@@ -39,13 +42,13 @@ class Draw(NamedTuple):
     """
 
     style: Style = BLIND
-    classes: tuple | None = None
+    classes: Sequence[str] | None = None
     seed: int | None = None
-    cells: tuple | None = None
+    cells: tuple[float, float] | None = None
     per_world: int = 3
 
 
-def begun_plan(count, folder, labels):
+def begun_plan(count: int, folder: Path, labels: Path) -> Plan | None:
     """The plan in a file of labels that was begun for this folder, else None.
 
     Raises
@@ -65,7 +68,7 @@ def begun_plan(count, folder, labels):
     return None
 
 
-def draw_plan(count, draw):
+def draw_plan(count: int, draw: Draw) -> Plan:
     """All labels: {"cases": {name: {"salt", "seed", "world_seed", "attempt", "label"}}} and the solver."""
     draws = np.random.default_rng(draw.seed)  # without a seed: entropy of the system
     classes = draw_classes(count, draws) if draw.classes is None else list(draw.classes)
@@ -74,21 +77,25 @@ def draw_plan(count, draw):
     own = [name for name in worlds for _ in range(draw.per_world)][:count]
     classes = dealt(classes, [worlds[name]["effects"] for name in own])
     digits = max(3, len(str(count)))
-    cases = {}
+    cases: dict[str, Entry] = {}
     for number, (cause, name) in enumerate(zip(classes, own, strict=True), start=1):
-        entry = {
+        seed = int(draws.integers(2**63))
+        cases[f"case_{number:0{digits}d}"] = {
             "salt": os.urandom(16).hex(),
-            "seed": int(draws.integers(2**63)),
+            "seed": seed,
             "world_seed": seeds[name],
             "attempt": 0,
+            "label": draw_label(cause, draw.style, seed, worlds[name]),
         }
-        label = draw_label(cause, draw.style, entry["seed"], worlds[name])
-        cases[f"case_{number:0{digits}d}"] = entry | {"label": label}
-    about = {"format": LABELS_FORMAT, "format_version": FORMAT_VERSION}
-    return about | {"solver": solver_version(), "cases": cases}
+    return {
+        "format": LABELS_FORMAT,
+        "format_version": FORMAT_VERSION,
+        "solver": solver_version(),
+        "cases": cases,
+    }
 
 
-def draw_again(entry, draw):
+def draw_again(entry: Entry, draw: Draw) -> None:
     """Draw the label of an entry again, with the same cause in the same world."""
     entry["attempt"] += 1
     label = entry["label"]
@@ -96,7 +103,7 @@ def draw_again(entry, draw):
     entry["label"] = draw_label(label["cause"], draw.style, seed, label["world"])
 
 
-def draw_world_again(plan, name, draw):
+def draw_world_again(plan: Plan, name: str, draw: Draw) -> None:
     """Draw a world again, and with it the labels of its cases; causes that it now has itself stay as they are."""
     entries = [entry for entry in plan["cases"].values() if entry["label"]["world"]["name"] == name]
     hidden = {effect for entry in entries for effect in entry["label"]["effects"]}
@@ -112,13 +119,13 @@ def draw_world_again(plan, name, draw):
         entry["label"] = draw_label(entry["label"]["cause"], draw.style, seed, world)
 
 
-def write_labels(path, plan):
+def write_labels(path: str | Path, plan: Plan) -> None:
     """Write the labels, readable to their owner only from the first byte on."""
     text = json.dumps(plan, indent=1) + "\n"
     write_atomic(path, text.encode(), running=False, private=True)
 
 
-def read_labels(path):
+def read_labels(path: str | Path) -> Plan:
     """The labels in a file.
 
     Raises
@@ -133,7 +140,7 @@ def read_labels(path):
     return plan
 
 
-def refuse_bad_cases(path, plan):
+def refuse_bad_cases(path: str | Path, plan: Plan) -> None:
     """Refuse labels without a truth, or with one that is no case, before any of them is run."""
     for name, entry in plan["cases"].items():
         if not entry["label"]["experiments"]:

@@ -21,6 +21,7 @@ from fvcollapse.blind.labels import (
     write_labels,
 )
 from fvcollapse.blind.measurement import film
+from fvcollapse.blind.plain_values import Entry, Plan, Run, World
 from fvcollapse.blind.seal import SEAL, canonical, seal_text
 from fvcollapse.blind.set_ups import errors_of, set_up_of, settings_text
 from fvcollapse.blind.truth import keep_truth, view_of
@@ -29,14 +30,20 @@ from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS
-from fvcollapse.studies.workers import HERE, refuse_workers, run_all
+from fvcollapse.studies.workers import HERE, Resources, refuse_workers, run_all
 
 CASES_MAX = 100_000
 REDRAWS = 5  # of a case whose truth cannot be computed
 MOMENT = 946_684_800  # s; modification time of every file: 1 January 2000
 
 
-def make(count, folder, labels=None, draw=Draw(), resources=HERE):  # noqa: B008 (immutable)
+def make(
+    count: int,
+    folder: str | Path,
+    labels: str | Path | None = None,
+    draw: Draw = Draw(),  # noqa: B008 (immutable)
+    resources: Resources = HERE,
+) -> Path:
     """Make sealed cases, or continue to.
 
     Parameters
@@ -84,7 +91,7 @@ def make(count, folder, labels=None, draw=Draw(), resources=HERE):  # noqa: B008
     return folder / SEAL
 
 
-def places(folder, labels):
+def places(folder: str | Path, labels: str | Path | None) -> tuple[Path, Path]:
     """(folder, labels) as absolute paths; labels inside the folder are refused."""
     folder = Path(os.path.abspath(folder))
     if not folder.name:
@@ -98,23 +105,23 @@ def places(folder, labels):
     return folder, labels
 
 
-def run_name(name, entry):
+def run_name(name: str, entry: Entry) -> str:
     """Folder of the truths of one draw of a case."""
     return f"{name}_{entry['attempt']}"
 
 
-def world_name(entry):
+def world_name(entry: Entry) -> str:
     """Folder of the truths of the controls of one draw of a world."""
     world = entry["label"]["world"]
     return f"{world['name']}_{digest_of(world)}"
 
 
-def digest_of(world):
+def digest_of(world: World) -> str:
     """A short name of what a world is."""
     return hashlib.sha256(canonical(world)).hexdigest()[:12]
 
 
-def run_truths(plan, labels, draw, work, resources):
+def run_truths(plan: Plan, labels: Path, draw: Draw, work: Path, resources: Resources) -> None:
     """Run all truths; a case, or a world, that cannot be computed is drawn again with the same causes."""
     while True:
         failed = compute(plan, work, resources)
@@ -130,7 +137,7 @@ def run_truths(plan, labels, draw, work, resources):
         write_labels(labels, plan)
 
 
-def compute(plan, work, resources):
+def compute(plan: Plan, work: Path, resources: Resources) -> dict[str, NumericalError]:
     """Run the truths that are not there; return {case or world: NumericalError} of those that failed."""
     calls, failed = {}, {}
     for name, entry in sorted(plan["cases"].items()):
@@ -144,7 +151,7 @@ def compute(plan, work, resources):
                 path = work / place / f"{run}.h5"
                 calls[owner, place, run] = (experiment["case"], experiment["forces"], path)
 
-    def finished(call, outcome):
+    def finished(call: tuple[str, str, str], outcome: FvcollapseError | None) -> None:
         if isinstance(outcome, NumericalError):
             failed[call[0]] = outcome
         elif isinstance(outcome, FvcollapseError):
@@ -154,7 +161,7 @@ def compute(plan, work, resources):
     return failed
 
 
-def write_case(folder, entry, truths, work):
+def write_case(folder: Path, entry: Entry, truths: Path, work: Path) -> None:
     """Write the experiments of a case and the controls of its laboratory, all files with the same date."""
     label = entry["label"]
     world = label["world"]
@@ -166,14 +173,16 @@ def write_case(folder, entry, truths, work):
     os.utime(folder, (MOMENT, MOMENT))
 
 
-def write_experiment(folder, experiment, world, truths):
+def write_experiment(folder: Path, experiment: Run, world: World, truths: Path) -> None:
     """Write the folder of one experiment."""
     name, case = folder.name, case_from_text(experiment["case"])
     set_up, common = set_up_of(name), world["common"]
     view = view_of(truths / f"{name}.h5", case, experiment)
     rng = np.random.default_rng(experiment["noise"])
     errors = errors_of(set_up, world["statement"], world["quality"])
-    camera = {key: common[key] for key in ("time", "offset", "scale") if key in common}
+    camera: dict[str, float] = {
+        key: common[key] for key in ("time", "offset", "scale") if key in common
+    }
     texts = film(view, set_up.end, set_up.reach, errors, rng, camera)
     texts[SETTINGS] = settings_text(name, world["statement"], world["quality"])
     folder.mkdir(parents=True, exist_ok=True)

@@ -6,13 +6,16 @@ the experiment states is the standard deviation of each.
 """
 
 from math import sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fvcollapse.measure.align import on_points
 from fvcollapse.measure.curves import csv_text
 from fvcollapse.measure.quantities import CURVES
+
+if TYPE_CHECKING:
+    from fvcollapse.blind.truth import View
 
 FRAME = 0.04  # s between frames
 SPACING = 0.01  # m between places
@@ -41,12 +44,19 @@ class Errors(NamedTuple):
     time: float
 
 
-def frames(end):
+def frames(end: float) -> np.ndarray:
     """Times of all frames [s]."""
     return FRAME * np.arange(int(round(end / FRAME)) + 1)
 
 
-def film(view, end, reach, errors, rng, common=None):
+def film(
+    view: "View",
+    end: float,
+    reach: float,
+    errors: Errors,
+    rng: np.random.Generator,
+    common: dict[str, float] | None = None,
+) -> dict[str, str]:
     """The CSV texts of one run, by file name.
 
     Parameters
@@ -92,19 +102,19 @@ def film(view, end, reach, errors, rng, common=None):
     return {f"{name}.csv": curve_csv(name, table) for name, table in curves.items()}
 
 
-def kept_frames(time, rng):
+def kept_frames(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """The frames that are not missing; the first and the last never are."""
     kept = rng.random(len(time)) >= MISSING
     kept[[0, -1]] = True
     return time[kept]
 
 
-def heavy_tailed(shape, rng):
+def heavy_tailed(shape: int | tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
     """Errors of unit variance with outliers."""
     return rng.standard_t(TAIL, shape) * sqrt((TAIL - 2.0) / TAIL)
 
 
-def drifting_errors(count, x, rng):
+def drifting_errors(count: int, x: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Errors (count, nx) of unit variance, smooth along x, that fade from frame to frame."""
     distance = (x[:, None] - x) / SHARED_LENGTH
     factor = np.linalg.cholesky(np.exp(-0.5 * distance**2) + 1.0e-6 * np.eye(len(x)))
@@ -115,23 +125,23 @@ def drifting_errors(count, x, rng):
     return errors
 
 
-def fading():
+def fading() -> float:
     """Weight of what is new in a frame."""
     return sqrt(1.0 - MEMORY**2)
 
 
-def mixed(shared, rng):
+def mixed(shared: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Errors of unit variance of which a part is shared."""
     return sqrt(SHARED) * shared + sqrt(1.0 - SHARED) * heavy_tailed(shared.shape, rng)
 
 
-def mixed_series(count, rng):
+def mixed_series(count: int, rng: np.random.Generator) -> np.ndarray:
     """Errors (count,) of unit variance, half of it a drift."""
     drift = rng.standard_normal() * np.linspace(0.0, 1.0, count)
     return sqrt(0.5) * (drift + heavy_tailed(count, rng))
 
 
-def jumping_errors(count, rng):
+def jumping_errors(count: int, rng: np.random.Generator) -> np.ndarray:
     """Errors (count,) of a front: grains jump ahead of it, and some are seen in several frames."""
     errors = np.empty(count)
     for row in range(count):
@@ -140,7 +150,7 @@ def jumping_errors(count, rng):
     return errors
 
 
-def curve_csv(name, table):
+def curve_csv(name: str, table: np.ndarray) -> str:
     """CSV text of a curve in whole pixels, with so many decimals that rounding leaves no trace."""
     columns = CURVES[name].columns
     table = table.copy()

@@ -1,15 +1,18 @@
 """Scores of probabilistic answers: first names, sets, alarms, confusion, calibration."""
 
 from collections import Counter
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from fvcollapse.blind.calibration import calibration, risk_coverage, sharpness
-from fvcollapse.blind.outcomes import best_credit, bootstrapped, class_of, grouped, share
+from fvcollapse.blind.outcomes import Outcome, best_credit, bootstrapped, class_of, grouped, share
+from fvcollapse.blind.plain_values import Average
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 
 
-def all_scores(outcomes):
+def all_scores(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """Every score of some outcomes."""
     return {
         "cases": len(outcomes),
@@ -24,7 +27,7 @@ def all_scores(outcomes):
     }
 
 
-def ranking(outcomes):
+def ranking(outcomes: Sequence[Outcome]) -> dict[str, Average]:
     """First and first two names, the sets and their size."""
     sizes = [max(len(outcome.names), 1) for outcome in outcomes]
     return {
@@ -37,7 +40,7 @@ def ranking(outcomes):
     }
 
 
-def by_class(outcomes):
+def by_class(outcomes: Sequence[Outcome]) -> dict[str, dict[str, Average]]:
     """`ranking` of known single effects, pairs, none and unknown, and the first name of every cause."""
     groups = {
         "single": [outcome for outcome in outcomes if class_of(outcome.truth) == "single"],
@@ -48,7 +51,7 @@ def by_class(outcomes):
     return {name: ranking(group) for name, group in groups.items() if group}
 
 
-def by_cause(outcomes):
+def by_cause(outcomes: Sequence[Outcome]) -> dict[str, dict[str, Average]]:
     """First name, and set, of every cause."""
     return {
         truth: {
@@ -61,7 +64,7 @@ def by_cause(outcomes):
     }
 
 
-def confusion(outcomes):
+def confusion(outcomes: Sequence[Outcome]) -> dict[str, dict[str, int]]:
     """{truth: {first name: count}}."""
     return {
         truth: dict(Counter(outcome.ranked()[0] for outcome in group).most_common())
@@ -69,7 +72,7 @@ def confusion(outcomes):
     }
 
 
-def alarms(outcomes):
+def alarms(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """False alarms where there is nothing, and what became of causes outside the catalogue."""
     nothing = [outcome for outcome in outcomes if outcome.truth == NONE]
     unknown = [outcome for outcome in outcomes if outcome.truth == UNKNOWN]
@@ -88,7 +91,7 @@ def alarms(outcomes):
     }
 
 
-def fate(outcomes):
+def fate(outcomes: Sequence[Outcome]) -> dict[str, Average]:
     """Shares found, wrongly named and missed of causes outside the catalogue."""
     return {
         "found": share(outcome.verdict == UNKNOWN for outcome in outcomes),
@@ -97,7 +100,7 @@ def fate(outcomes):
     }
 
 
-def verdicts(outcomes):
+def verdicts(outcomes: Sequence[Outcome]) -> dict[str, Average]:
     """What the verdict says of known causes: the cause alone, another name, none or unknown."""
     named = [
         (*outcome.names, *outcome.ranked())[0] if outcome.verdict in NAMED else None

@@ -9,11 +9,13 @@ References
 Clopper & Pearson (1934), Biometrika 26, 404.
 """
 
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import beta
 
+from fvcollapse.blind.plain_values import Average
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 
 SAMPLES = 2000
@@ -29,47 +31,49 @@ class Outcome(NamedTuple):
     truth: str
     kind: str | None
     verdict: str
-    probability: dict
-    names: tuple
+    probability: dict[str, float]
+    names: tuple[str, ...]
 
-    def ranked(self):
+    def ranked(self) -> list[str]:
         """Names by probability; among equals the wrong ones first."""
         pairs = self.probability.items()
         return [name for name, p in sorted(pairs, key=lambda e: (-e[1], credit(self.truth, e[0])))]
 
-    def confidence(self):
+    def confidence(self) -> float:
         """Largest probability."""
         return max(self.probability.values())
 
 
-def credit(truth, name):
+def credit(truth: str, name: str) -> float:
     """1 for the truth, 1/2 for one of its two causes, else 0."""
     if name == truth:
         return 1.0
     return 0.5 if "+" in truth and name in truth.split("+") else 0.0
 
 
-def best_credit(outcome, names):
+def best_credit(outcome: Outcome, names: Iterable[str]) -> float:
     """Largest credit of some names."""
     return max((credit(outcome.truth, name) for name in names), default=0.0)
 
 
-def class_of(truth):
+def class_of(truth: str) -> str:
     """Single, pair, none or unknown."""
     if truth in (NONE, UNKNOWN):
         return truth
     return "pair" if "+" in truth else "single"
 
 
-def grouped(outcomes, key):
+def grouped(
+    outcomes: Iterable[Outcome], key: Callable[[Outcome], str]
+) -> list[tuple[str, list[Outcome]]]:
     """(value of the key, outcomes) in alphabetical order."""
-    groups = {}
+    groups: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
         groups.setdefault(key(outcome), []).append(outcome)
     return sorted(groups.items())
 
 
-def share(credits):
+def share(credits: Iterable[float]) -> Average:
     """{"value", "low", "high", "n"} of the mean of numbers between 0 and 1; value None if there is none."""
     credits = np.asarray(list(credits), float)
     n, k = len(credits), float(credits.sum())
@@ -80,7 +84,7 @@ def share(credits):
     return {"value": k / n, "low": float(low), "high": float(high), "n": n}
 
 
-def bootstrapped(statistic, count):
+def bootstrapped(statistic: Callable[[np.ndarray], float], count: int) -> Average:
     """{"value", "low", "high", "n"} of `statistic(indices)` over `count` cases."""
     rng = np.random.default_rng(0)
     draws = [statistic(rng.integers(count, size=count)) for _ in range(SAMPLES)]

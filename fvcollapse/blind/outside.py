@@ -5,13 +5,20 @@ Every cause is a dictionary of plain numbers, so that a label can hold it; the f
 from place to place.
 """
 
+from collections.abc import Iterable, Sequence
 from math import cos, radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.integrate import trapezoid
 
+from fvcollapse.blind.plain_values import Force, Outside, Reading
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.measure.pile import front_position
+
+if TYPE_CHECKING:
+    from fvcollapse.blind.truth import View
+    from fvcollapse.case.sections import Geometry
 
 REST = 0.05  # m/s; friction of a force rises linearly up to this speed, so that rest stays rest
 # of the error of a model: largest relative standard deviations of thickness and reach (two codes with the same
@@ -23,23 +30,23 @@ BRAKE_MAX = 0.5  # largest part of the velocity that a force takes in one step
 # -- forces: rate [1/s] at which a velocity is damped, negative where it is driven ---------------------
 
 
-def linear_drag(force, x, speed, gravity):
+def linear_drag(force: Force, x: np.ndarray, speed: np.ndarray, gravity: float) -> np.ndarray:
     """Damping in proportion to the velocity, at `rate` [1/s]."""
     return np.full_like(speed, force["rate"])
 
 
-def quadratic_drag(force, x, speed, gravity):
+def quadratic_drag(force: Force, x: np.ndarray, speed: np.ndarray, gravity: float) -> np.ndarray:
     """Damping over the `length` [m], as that of a surrounding fluid."""
     return speed / force["length"]
 
 
-def strip(force, x, speed, gravity):
+def strip(force: Force, x: np.ndarray, speed: np.ndarray, gravity: float) -> np.ndarray:
     """Friction higher (or lower) by `friction` between `first` and `last` [m] along the bed."""
     inside = (x >= force["first"]) & (x <= force["last"])
     return np.where(inside, force["friction"], 0.0) * gravity / np.hypot(speed, REST)
 
 
-def uneven_friction(force, x, speed, gravity):
+def uneven_friction(force: Force, x: np.ndarray, speed: np.ndarray, gravity: float) -> np.ndarray:
     """Friction that varies along the bed: a sum of cosines of standard deviation `friction`."""
     waves, phases = np.asarray(force["waves"]), np.asarray(force["phases"])
     pattern = np.cos(np.multiply.outer(x, waves) + phases).sum(axis=-1) * (2.0 / len(waves)) ** 0.5
@@ -54,7 +61,14 @@ FORCES = {
 }
 
 
-def brake(forces, u, w, dt, dx, slope_angle_deg):
+def brake(
+    forces: Sequence[Force],
+    u: np.ndarray,
+    w: np.ndarray,
+    dt: float,
+    dx: float,
+    slope_angle_deg: float,
+) -> None:
     """Let the forces act on a staggered velocity for a step; all depths alike.
 
     Parameters
@@ -75,13 +89,13 @@ def brake(forces, u, w, dt, dx, slope_angle_deg):
         values *= 1.0 - np.clip(dt * rate, -BRAKE_MAX, BRAKE_MAX)
 
 
-def w_on_xfaces(w):
+def w_on_xfaces(w: np.ndarray) -> np.ndarray:
     """Mean of the four w around each x-face; at the ends of the two there."""
     row = 0.5 * (w[:, :-1] + w[:, 1:])
     return np.vstack([row[:1], 0.5 * (row[:-1] + row[1:]), row[-1:]])
 
 
-def u_on_zfaces(u):
+def u_on_zfaces(u: np.ndarray) -> np.ndarray:
     """Mean of the four u around each z-face; at bed and top of the two there."""
     column = 0.5 * (u[:-1] + u[1:])
     inner = 0.5 * (column[:, :-1] + column[:, 1:])
@@ -91,13 +105,13 @@ def u_on_zfaces(u):
 # -- wrong readings ----------------------------------------------------------------------------------------
 
 
-def magnification(reading, threshold, view):
+def magnification(reading: Reading, threshold: float, view: "View") -> "View":
     """Lengths along the bed are read too long by the part `error`."""
     factor = 1.0 + reading["error"]
     return view._replace(x=view.x * factor, front=view.front * [1.0, factor])
 
 
-def clock(reading, threshold, view):
+def clock(reading: Reading, threshold: float, view: "View") -> "View":
     """Times are read too long by the part `error`."""
     factor = 1.0 + reading["error"]
     return view._replace(
@@ -107,7 +121,7 @@ def clock(reading, threshold, view):
     )
 
 
-def grain_loss(reading, threshold, view):
+def grain_loss(reading: Reading, threshold: float, view: "View") -> "View":
     """Grains trickle out under the lateral walls: the part `lost` is gone at the end, evenly over time."""
     left = 1.0 - reading["lost"] * view.time / view.time[-1]
     thickness = view.thickness * left[:, None]
@@ -124,14 +138,14 @@ def grain_loss(reading, threshold, view):
     )
 
 
-def fallen_grains(reading, threshold, view):
+def fallen_grains(reading: Reading, threshold: float, view: "View") -> "View":
     """Grains that fell off the end of the channel are missing in the volume that is seen."""
     area = trapezoid(view.thickness, view.x, axis=1)
     most = np.maximum.accumulate(area)  # at t = 0 the nodes miss a part of the upright face
     return view._replace(volume=np.column_stack([view.time, area / most - 1.0]))
 
 
-def smooth_error(reading, threshold, view):
+def smooth_error(reading: Reading, threshold: float, view: "View") -> "View":
     """Another code: the pile reaches farther or less far, and is thicker here and thinner there, by a little.
 
     At t = 0 the column is as it was set up, and every profile keeps its area.
@@ -139,12 +153,12 @@ def smooth_error(reading, threshold, view):
     waves = np.asarray(reading["waves"])  # (n, 2): 1/m and 1/s
     phases, size = np.asarray(reading["phases"]), (2.0 / len(waves)) ** 0.5
 
-    def pattern(x, time):
+    def pattern(x: np.ndarray, time: np.ndarray) -> np.ndarray:
         """A smooth function of unit variance that vanishes at t = 0."""
         angle = np.multiply.outer(x, waves[:, 0]) + np.multiply.outer(time, waves[:, 1]) + phases
         return size * np.cos(angle).sum(axis=-1) * (1.0 - np.exp(-time / ONSET))
 
-    def stretch(time):
+    def stretch(time: np.ndarray) -> np.ndarray:
         """Factor on the lengths along the bed."""
         return 1.0 + reading["reach"] * pattern(np.zeros_like(time), time)
 
@@ -170,14 +184,16 @@ READINGS = {
 }
 
 
-def read_wrongly(readings, threshold, view):
+def read_wrongly(readings: Iterable[Reading], threshold: float, view: "View") -> "View":
     """What is seen of a collapse (`truth.View`) after the wrong readings."""
     for reading in readings:
         view = READINGS[reading["kind"]](reading, threshold, view)
     return view
 
 
-def draw_smooth_error(rng, size, lengths):
+def draw_smooth_error(
+    rng: np.random.Generator, size: float, lengths: tuple[float, float]
+) -> Reading:
     """A `smooth_error` of a size in (0, 1) that varies over some length [m] and time [s]."""
     waves = rng.standard_normal((ERROR_WAVES, 2)) / lengths
     return {
@@ -192,17 +208,17 @@ def draw_smooth_error(rng, size, lengths):
 # -- the kinds of unknown ----------------------------------------------------------------------------------
 
 
-def draw_linear_drag(rng, geometry):
+def draw_linear_drag(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """Some medium, or a brush of fibres, slows all grains."""
     return {"forces": [{"kind": "linear_drag", "rate": loguniform(rng, 0.3, 2.0)}]}
 
 
-def draw_quadratic_drag(rng, geometry):
+def draw_quadratic_drag(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """A fluid between the grains slows the fast ones."""
     return {"forces": [{"kind": "quadratic_drag", "length": loguniform(rng, 0.3, 2.0)}]}
 
 
-def draw_strip(rng, geometry, low, high):
+def draw_strip(rng: np.random.Generator, geometry: "Geometry", low: float, high: float) -> Outside:
     """A strip of the bed with another friction."""
     first = geometry.length_0 + rng.uniform(0.02, 0.15)
     last = first + rng.uniform(0.10, 0.30)
@@ -210,24 +226,24 @@ def draw_strip(rng, geometry, low, high):
     return {"forces": [{"kind": "strip", "friction": friction, "first": first, "last": last}]}
 
 
-def draw_rough_strip(rng, geometry):
+def draw_rough_strip(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """Sandpaper on a part of the bed."""
     return draw_strip(rng, geometry, 0.05, 0.30)
 
 
-def draw_slippery_strip(rng, geometry):
+def draw_slippery_strip(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """A worn part of the bed."""
     return draw_strip(rng, geometry, -0.25, -0.05)
 
 
-def draw_sloping_surface(rng, geometry):
+def draw_sloping_surface(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """The column was not levelled: higher at one end, the same volume."""
     rise = rng.choice([-1.0, 1.0]) * rng.uniform(0.10, 0.30) * geometry.height_0
     low, high, length = geometry.height_0 - rise, geometry.height_0 + rise, geometry.length_0
     return {"polygon": [[0.0, 0.0], [length, 0.0], [length, high], [0.0, low]]}
 
 
-def draw_slumped_column(rng, geometry):
+def draw_slumped_column(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """The corner at the gate had slumped before the release, the same volume."""
     length = geometry.length_0
     start, drop = rng.uniform(0.3, 0.6) * length, rng.uniform(0.25, 0.6) * geometry.height_0
@@ -235,23 +251,23 @@ def draw_slumped_column(rng, geometry):
     return {"polygon": [[0.0, 0.0], [length, 0.0], [length, top - drop], [start, top], [0.0, top]]}
 
 
-def draw_short_channel(rng, geometry):
+def draw_short_channel(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """The channel ends: what goes further falls off."""
     end = geometry.length_0 + rng.uniform(0.12, 0.30)
     return {"channel_end": end, "readings": [{"kind": "fallen_grains"}]}
 
 
-def draw_magnification(rng, geometry):
+def draw_magnification(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """The scale of the camera was taken elsewhere."""
     return {"readings": [{"kind": "magnification", "error": signed(rng, 0.03, 0.08)}]}
 
 
-def draw_clock(rng, geometry):
+def draw_clock(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """The frame rate was not what the camera says."""
     return {"readings": [{"kind": "clock", "error": signed(rng, 0.04, 0.12)}]}
 
 
-def draw_grain_loss(rng, geometry):
+def draw_grain_loss(rng: np.random.Generator, geometry: "Geometry") -> Outside:
     """Grains are lost under the lateral walls."""
     return {"readings": [{"kind": "grain_loss", "lost": rng.uniform(0.04, 0.15)}]}
 
@@ -271,11 +287,11 @@ UNKNOWNS = {
 }
 
 
-def loguniform(rng, low, high):
+def loguniform(rng: np.random.Generator, low: float, high: float) -> float:
     """A number between two limits, uniform in its logarithm."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def signed(rng, low, high):
+def signed(rng: np.random.Generator, low: float, high: float) -> float:
     """A number of either sign whose size is between two limits."""
     return float(rng.choice([-1.0, 1.0]) * rng.uniform(low, high))

@@ -2,13 +2,16 @@
 
 import math
 from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from fvcollapse.blind.comparisons import mcnemar, parameter_scores, reduction_scores
 from fvcollapse.blind.forms import answer_problems
 from fvcollapse.blind.labels import read_labels
 from fvcollapse.blind.metrics import all_scores, ranking
 from fvcollapse.blind.outcomes import Outcome, class_of
+from fvcollapse.blind.plain_values import Answer, Average, Entry, Label
 from fvcollapse.blind.seal import check_seal
 from fvcollapse.case.grammar import closest_name
 from fvcollapse.diagnosis.names import EFFECT, NAMED, NONE, SEVERAL, UNKNOWN
@@ -19,7 +22,14 @@ SEPARABLE = 3.0  # d of diagnosis: distance to the nearest other hypothesis in s
 ALWAYS = "lateral_friction"  # the guess that explains a channel best on the average
 
 
-def score(folder, answers, labels, against=(), separability=None, strengths=None):
+def score(
+    folder: str | Path,
+    answers: str | Path,
+    labels: str | Path,
+    against: Iterable[str | Path] = (),
+    separability: str | Path | None = None,
+    strengths: Collection[str] | None = None,
+) -> dict[str, Any]:
     """All scores of some answers.
 
     Parameters
@@ -53,7 +63,7 @@ def score(folder, answers, labels, against=(), separability=None, strengths=None
     }
     given = {name: every[name] for name in cases}
     outcomes = outcomes_of(cases, given)
-    table = {"seal": seal, "data_checked": checked} | all_scores(outcomes)
+    table: dict[str, Any] = {"seal": seal, "data_checked": checked} | all_scores(outcomes)
     table["worlds"] = len({entry["label"]["world"]["name"] for entry in cases.values()})
     table["by_laboratory"] = by_laboratory(cases, outcomes)
     table["parameters"] = parameter_scores(parameter_rows(cases, given))
@@ -71,9 +81,11 @@ def score(folder, answers, labels, against=(), separability=None, strengths=None
     return table
 
 
-def by_laboratory(cases, outcomes):
+def by_laboratory(
+    cases: Mapping[str, Entry], outcomes: Sequence[Outcome]
+) -> dict[str, dict[str, dict[str, Average]]]:
     """`ranking` by strength and statement of the world, number of its controls, and number of experiments."""
-    keys = {
+    keys: dict[str, Callable[[Label], str]] = {
         "strength": lambda label: label["world"]["strength"],
         "statement": lambda label: label["world"]["statement"],
         "controls": lambda label: str(len(label["world"]["controls"])),
@@ -81,14 +93,14 @@ def by_laboratory(cases, outcomes):
     }
     table = {}
     for axis, key in keys.items():
-        groups = {}
+        groups: dict[str, list[Outcome]] = {}
         for entry, outcome in zip(cases.values(), outcomes, strict=True):
             groups.setdefault(key(entry["label"]), []).append(outcome)
         table[axis] = {value: ranking(group) for value, group in sorted(groups.items())}
     return table
 
 
-def read_answers(path, cases):
+def read_answers(path: str | Path, cases: Mapping[str, Entry]) -> dict[str, Answer]:
     """{case: answer} of a file, checked.
 
     Raises
@@ -108,12 +120,12 @@ def read_answers(path, cases):
     return {name: answers[name] for name in cases}
 
 
-def is_number(value):
+def is_number(value: object) -> bool:
     """Whether a value is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def read_distances(path, cases):
+def read_distances(path: str | Path, cases: Mapping[str, Entry]) -> dict[str, float]:
     """{case: d} of a file; cases may be missing."""
     table = read_object(path, "{case: d}")
     for name, value in table.items():
@@ -122,7 +134,7 @@ def read_distances(path, cases):
     return table
 
 
-def outcomes_of(cases, answers):
+def outcomes_of(cases: Mapping[str, Entry], answers: Mapping[str, Answer]) -> list[Outcome]:
     """The `Outcome` of every case."""
     return [
         Outcome(
@@ -136,7 +148,9 @@ def outcomes_of(cases, answers):
     ]
 
 
-def parameter_rows(cases, answers):
+def parameter_rows(
+    cases: Mapping[str, Entry], answers: Mapping[str, Answer]
+) -> list[dict[str, Any]]:
     """True and estimated values of the parameters of every effect that acts and was answered for."""
     rows = []
     for name, entry in cases.items():
@@ -147,9 +161,11 @@ def parameter_rows(cases, answers):
     return rows
 
 
-def by_separability(cases, outcomes, distances):
+def by_separability(
+    cases: Mapping[str, Entry], outcomes: Sequence[Outcome], distances: Mapping[str, float]
+) -> dict[str, Any]:
     """`ranking` of single effects, and of pairs, that the data can separate from all others, and of the other ones."""
-    groups = {}
+    groups: dict[str, list[Outcome]] = {}
     for name, outcome in zip(cases, outcomes, strict=True):
         if class_of(outcome.truth) in ("single", "pair") and name in distances:
             part = "separable" if distances[name] >= SEPARABLE else "not_separable"
@@ -158,14 +174,14 @@ def by_separability(cases, outcomes, distances):
     return {"d": SEPARABLE} | {name: ranking(group) for name, group in sorted(groups.items())}
 
 
-def baselines(cases, outcomes):
+def baselines(cases: Mapping[str, Entry], outcomes: Sequence[Outcome]) -> dict[str, dict[str, Any]]:
     """Scores of answers that ignore the data."""
     counts = Counter(outcome.truth for outcome in outcomes)
     rates = {name: count / len(outcomes) for name, count in counts.items()}
     constant = {
         f"always_{ALWAYS}": ("effect", {ALWAYS: 1.0}),
         f"always_{NONE}": (NONE, {NONE: 1.0}),
-        "base_rates": (verdict_for(max(rates, key=rates.get)), rates),
+        "base_rates": (verdict_for(max(rates, key=lambda name: rates[name])), rates),
     }
     return {
         name: summary(
@@ -174,7 +190,7 @@ def baselines(cases, outcomes):
                 outcome._replace(
                     verdict=verdict,
                     probability=probability,
-                    names=(max(probability, key=probability.get),),
+                    names=(max(probability, key=lambda name: probability[name]),),
                 )
                 for outcome in outcomes
             ],
@@ -183,14 +199,14 @@ def baselines(cases, outcomes):
     }
 
 
-def verdict_for(name):
+def verdict_for(name: str) -> str:
     """The verdict that goes with a name."""
     if name in (NONE, UNKNOWN):
         return name
     return SEVERAL if "+" in name else EFFECT
 
 
-def summary(outcomes, other):
+def summary(outcomes: Sequence[Outcome], other: Sequence[Outcome]) -> dict[str, Any]:
     """The main scores of other answers, and whether the answers at hand differ from them."""
     scores = all_scores(other)
     return {

@@ -1,21 +1,25 @@
 """Scores as a file of JSON, and the main scores as plain text."""
 
 import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
+from fvcollapse.blind.plain_values import Average
 from fvcollapse.files.atomic import write_atomic
 
 
-def write_scores(path, table):
+def write_scores(path: str | Path, table: Mapping[str, Any]) -> None:
     """Write the scores as JSON."""
     write_atomic(path, scores_text(table).encode(), running=False)
 
 
-def scores_text(table):
+def scores_text(table: Mapping[str, Any]) -> str:
     """The scores as JSON text."""
     return json.dumps(table, indent=1) + "\n"
 
 
-def table(scores):
+def table(scores: Mapping[str, Any]) -> str:
     """The main scores as plain text."""
     single = scores["by_class"].get("single", {})
     apart = scores.get("by_separability", {})
@@ -50,7 +54,7 @@ def table(scores):
     return "\n".join(lines)
 
 
-def line(name, share):
+def line(name: str, share: Average) -> str:
     """One row of the table."""
     return (
         f"{name:40s}{share['value']:6.3f}  "

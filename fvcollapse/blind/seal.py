@@ -6,8 +6,12 @@ Nothing is scored unless every label, and every case that is still there, agrees
 import hashlib
 import json
 import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 from fvcollapse.blind.forms import Seal, read_form, refuse_names
+from fvcollapse.blind.plain_values import Entry, Plan
 from fvcollapse.errors import InputError
 from fvcollapse.output.forms import form_problems
 
@@ -16,18 +20,18 @@ SEAL_FORMAT = "fvcollapse-seal"
 FORMAT_VERSION = 1
 
 
-def canonical(value):
+def canonical(value: object) -> bytes:
     """The one JSON text of a value, as bytes."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
-def label_digest(entry):
+def label_digest(entry: Entry) -> str:
     """Hash of an entry behind its salt: whoever knows all labels but the salt learns nothing from it."""
     salted = {key: value for key, value in entry.items() if key != "salt"}
     return hashlib.sha256(bytes.fromhex(entry["salt"]) + canonical(salted)).hexdigest()
 
 
-def data_digest(folder):
+def data_digest(folder: Path) -> str:
     """Hash of the names and contents of all files of a case."""
     digest = hashlib.sha256()
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
@@ -36,12 +40,12 @@ def data_digest(folder):
     return digest.hexdigest()
 
 
-def seal_digest(cases):
+def seal_digest(cases: Mapping[str, Mapping[str, str]]) -> str:
     """The overall hash of the cases of a seal."""
     return hashlib.sha256(canonical(cases)).hexdigest()
 
 
-def seal_text(plan, folder):
+def seal_text(plan: Plan, folder: Path) -> str:
     """Text of `SEAL.json`."""
     cases = {
         name: {"label": label_digest(entry), "data": data_digest(folder / name)}
@@ -52,7 +56,7 @@ def seal_text(plan, folder):
     return json.dumps(content, indent=1) + "\n"
 
 
-def read_seal(path):
+def read_seal(path: str | Path) -> dict[str, Any]:
     """The content of a seal.
 
     Raises
@@ -66,7 +70,7 @@ def read_seal(path):
     return seal
 
 
-def check_seal(folder, plan, labels):
+def check_seal(folder: Path, plan: Plan, labels: str | Path) -> tuple[str, int]:
     """(overall hash, number of cases whose data were compared with the seal).
 
     Raises
@@ -92,7 +96,7 @@ def check_seal(folder, plan, labels):
     return overall, checked
 
 
-def readable_digest(folder):
+def readable_digest(folder: Path) -> str:
     """The `data_digest` of a folder; InputError if something in it cannot be read."""
     try:
         return data_digest(folder)

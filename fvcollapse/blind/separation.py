@@ -6,15 +6,22 @@ levels with the weights of the emulator, so that every distance follows from the
 parameters that were hidden.
 """
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from fvcollapse.blind.plain_values import Drawn, Levels, Separation
 from fvcollapse.diagnosis.emulator import Kriging
 from fvcollapse.diagnosis.quadrature import DISCREPANCIES
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
 
 DIGITS = 6
 
 
-def separation_of(analysis):
+def separation_of(analysis: "Analysis") -> Separation:
     """The part of a file of evidence, as plain values.
 
     Returns
@@ -24,7 +31,9 @@ def separation_of(analysis):
     """
     comparison = analysis.comparison
     sigma = min(analysis.evidence.best.sigma, DISCREPANCIES[-1])
-    white, closures, columns = comparison.whitened[sigma], {}, []
+    white = comparison.whitened[sigma]
+    closures: dict[str, list[Levels]] = {}
+    columns: list[int] = []
     for name, variants in comparison.closures.items():
         closures[name] = []
         for variant in variants:
@@ -37,7 +46,7 @@ def separation_of(analysis):
     return {"closures": closures, "products": rounded}
 
 
-def distance(separation, effects):
+def distance(separation: Separation, effects: Mapping[str, Drawn]) -> float:
     """D of one effect, or of two, that are hidden: 0 where one of them changes nothing that was measured.
 
     Of one effect the distance to the nearest other hypothesis: every other effect at its median with a free
@@ -77,7 +86,7 @@ def distance(separation, effects):
     return float(np.sqrt(max(min(squares), 0.0)))
 
 
-def column_weights(closure, u, count):
+def column_weights(closure: Levels, u: np.ndarray | None, count: int) -> np.ndarray:
     """Weights (count,) of all columns for a closure at u (d,); default the median of every prior."""
     levels = np.array(closure["levels"])
     u = np.full(levels.shape[1], 0.5) if u is None else u

@@ -30,7 +30,7 @@ MATERIAL_SD = {
 class Statement(NamedTuple):
     """What is stated of a set-up: standard deviations by case key, that of the clock [s], whether errors are common."""
 
-    sd: dict
+    sd: dict[str, float]
     time: float
     common: bool
 
@@ -69,7 +69,7 @@ class SetUp(NamedTuple):
     height: float = 0.14
     length: float = 0.20
 
-    def stated(self):
+    def stated(self) -> dict[str, float]:
         """Case keys that are stated of this set-up."""
         return BELIEVED | {
             "geometry.slope_angle_deg": self.slope,
@@ -109,12 +109,12 @@ BLIND_DESIGNS = (
 )
 
 
-def set_up_of(name):
+def set_up_of(name: str) -> SetUp:
     """The `SetUp` of an experiment or a control."""
     return SET_UPS[name.removeprefix(CONTROL)]
 
 
-def errors_of(set_up, statement, quality):
+def errors_of(set_up: SetUp, statement: str, quality: float) -> Errors:
     """The `Errors` of the film of a set-up; `quality` multiplies the errors of single readings."""
     sd = STATEMENTS[statement].sd
     return Errors(
@@ -128,7 +128,7 @@ def errors_of(set_up, statement, quality):
     )
 
 
-def settings_text(name, statement, quality=1.0):
+def settings_text(name: str, statement: str, quality: float = 1.0) -> str:
     """`experiment.toml` of an experiment or a control; nothing in it depends on what is hidden."""
     set_up, stated = set_up_of(name), STATEMENTS[statement]
     errors, common = errors_of(set_up, statement, quality), str(stated.common).lower()

@@ -1,17 +1,24 @@
 """Answers by simple rules, as baselines: a chi-square test, the best fit, the nearest signature."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.stats import chi2
 
+from fvcollapse.blind.plain_values import Answer, Simple
 from fvcollapse.diagnosis.names import EFFECT, NONE, UNKNOWN
 from fvcollapse.diagnosis.separability import DISCREPANCY
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.evidence import Evidence
 
 LEVEL = 0.01  # p-value of the chi-square baseline
 BASELINE_PROBABILITY = 0.9  # of the name that a simple rule gives
 
 
-def chi_square(analysis):
+def chi_square(analysis: "Analysis") -> dict[str, tuple[float, float]]:
     """{hypothesis: (chi-square, p-value)} with independent errors of measurement and nothing else."""
     points = analysis.points
     use = points.kind == "value"
@@ -23,12 +30,12 @@ def chi_square(analysis):
     return {name: (value, float(chi2.sf(value, len(gap)))) for name, value in values.items()}
 
 
-def fit_of(gap, levels):
+def fit_of(gap: np.ndarray, levels: np.ndarray) -> float:
     """Least square of gap + level over the levels that were run."""
     return float(((gap + levels) ** 2).sum(axis=1).min())
 
 
-def signature(analysis):
+def signature(analysis: "Analysis") -> dict[str, float]:
     """{effect: cosine between the gap and its signature}, whitened; and p-value of no gap as `none`."""
     covariance = analysis.covariance + DISCREPANCY**2 * analysis.kernel
     factor = cholesky(covariance, lower=True, check_finite=False)
@@ -44,7 +51,7 @@ def signature(analysis):
     return values
 
 
-def chi_square_answer(simple):
+def chi_square_answer(simple: Simple) -> str:
     """The best fit where a chi-square test accepts it; unknown where it accepts no fit."""
     values = simple["chi_square"]
     if values[NONE][1] >= LEVEL:
@@ -53,7 +60,7 @@ def chi_square_answer(simple):
     return best if values[best][1] >= LEVEL else UNKNOWN
 
 
-def chi_square_ranking(simple):
+def chi_square_ranking(simple: Simple) -> str:
     """The best fit of all effects, whatever its p-value, unless there is no gap."""
     values = simple["chi_square"]
     if values[NONE][1] >= LEVEL:
@@ -61,12 +68,12 @@ def chi_square_ranking(simple):
     return min((name for name in values if name != NONE), key=lambda name: values[name][0])
 
 
-def signature_answer(simple):
+def signature_answer(simple: Simple) -> str:
     """The effect whose signature is nearest, unless there is no gap."""
     values = simple["signature"]
     if values[NONE] >= LEVEL:
         return NONE
-    return max((name for name in values if name != NONE), key=values.get)
+    return max((name for name in values if name != NONE), key=lambda name: values[name])
 
 
 SIMPLE = {
@@ -76,7 +83,7 @@ SIMPLE = {
 }
 
 
-def simple_answer(name, evidence):
+def simple_answer(name: str, evidence: "Evidence") -> Answer:
     """An answer that names one hypothesis."""
     others = [other for other in evidence.hypotheses if other != name and "+" not in other]
     share = (1.0 - BASELINE_PROBABILITY) / len(others)

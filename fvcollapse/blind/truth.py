@@ -1,12 +1,15 @@
 """The hidden truth: a run of the solver, with forces that no case can name, and what is seen of it."""
 
 import math
+from collections.abc import Sequence
 from functools import partial
-from typing import NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fvcollapse.blind.outside import brake, read_wrongly
+from fvcollapse.blind.plain_values import Force, Run
 from fvcollapse.case.case import case_from_text
 from fvcollapse.console.bars import progress_bar
 from fvcollapse.files.atomic import write_atomic
@@ -16,7 +19,13 @@ from fvcollapse.output.extract import FinishedRun, extract_image, open_image
 from fvcollapse.output.result import open_result
 from fvcollapse.output.run import Job
 from fvcollapse.simulation import Simulation
-from fvcollapse.step.advance import STAGES
+from fvcollapse.step.advance import STAGES, Stages
+from fvcollapse.step.flow import Flow
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.measure.observables import Observations
+    from fvcollapse.output.result import Result
 
 SEEDS = 2**31  # of the scatter of jumping grains
 
@@ -36,16 +45,16 @@ class View(NamedTuple):
     static_height: np.ndarray
 
     @classmethod
-    def of(cls, seen):
+    def of(cls, seen: "Observations") -> "View":
         """Of the `Observations` of a run."""
         time, x, thickness = as_grid(seen.profiles)
         return cls(seen.front, seen.volume, time, x, thickness, as_grid(seen.interface)[2])
 
 
-def with_forces(forces):
+def with_forces(forces: Sequence[Force]) -> Stages:
     """The stages of a step in which further forces act on the grains, between advection and the implicit solve."""
 
-    def carry_momentum(flow, packing, dt):
+    def carry_momentum(flow: Flow, packing: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
         u_star, w_star = STAGES.carry_momentum(flow, packing, dt)
         balance = flow.constants.balance
         slope = math.degrees(math.atan2(balance.gx, -balance.gz))
@@ -55,7 +64,7 @@ def with_forces(forces):
     return STAGES._replace(carry_momentum=carry_momentum)
 
 
-def run_truth(case, forces):
+def run_truth(case: "Case", forces: Sequence[Force]) -> "Result":
     """The `Result` of a case with forces, without fields.
 
     Raises
@@ -69,7 +78,7 @@ def run_truth(case, forces):
     return open_image(extract_image(FinishedRun.of(job.recorder, case)))
 
 
-def keep_truth(case_text, forces, path):
+def keep_truth(case_text: str, forces: Sequence[Force], path: Path) -> None:
     """Run a truth into a file, unless it is there.
 
     Raises
@@ -81,7 +90,7 @@ def keep_truth(case_text, forces, path):
         write_atomic(path, extract_image(run_truth(case_from_text(case_text), forces)))
 
 
-def view_of(path, case, label):
+def view_of(path: Path, case: "Case", label: Run) -> View:
     """What is seen of the truth in a file.
 
     Parameters

@@ -11,7 +11,8 @@ Vovk (2015), Ann. Math. Artif. Intell. 74, 9 (cross-conformal); McFadden (1974),
 (conditional logit).
 """
 
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -28,6 +29,9 @@ from fvcollapse.diagnosis.verdict_model import (
 )
 from fvcollapse.errors import InputError
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence
+
 # L2 penalties, for each case: of what effects share (and none, unknown and two effects have of their own), of
 # what an effect differs by, and of the numbers of a whole case
 PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
@@ -42,7 +46,20 @@ class Origin(NamedTuple):
     kind: str | None = None
 
 
-def fit(suite, effects, about=None, origins=None):
+def check_counts(truth: np.ndarray, classes: Sequence[str]) -> None:
+    """Refuse a suite with too few cases of a class; `truth` are the classes of its cases."""
+    for name in classes:
+        count = int(np.count_nonzero(truth == name))
+        if count < LEAST_CASES:
+            raise InputError("suite", name, f"{count} cases", f">= {LEAST_CASES} of every class")
+
+
+def fit(
+    suite: Sequence[tuple["Evidence", str]],
+    effects: Sequence[str],
+    about: dict[str, Any] | None = None,
+    origins: Sequence[Origin] | None = None,
+) -> VerdictModel:
     """The `VerdictModel` of a suite.
 
     Parameters
@@ -65,10 +82,7 @@ def fit(suite, effects, about=None, origins=None):
     effects = tuple(effects)
     truth = np.array([class_of(cause) for _, cause in suite])
     classes = tuple(sorted({class_of(cause) for _, cause in suite}))
-    for name in classes:
-        count = int(np.count_nonzero(truth == name))
-        if count < LEAST_CASES:
-            raise InputError("suite", name, f"{count} cases", f">= {LEAST_CASES} of every class")
+    check_counts(truth, classes)
     rows = [features(evidence, classes) for evidence, _ in suite]
     own, case = (np.array(part) for part in zip(*rows, strict=True))
     of_effects = own[:, [is_effect(name) for name in classes]]
@@ -108,17 +122,17 @@ class Table(NamedTuple):
     compared: np.ndarray
     truth: np.ndarray
 
-    def of(self, rows):
+    def of(self, rows: np.ndarray) -> "Table":
         """Some of the cases."""
         return Table(*(part[rows] for part in self))
 
 
-def is_effect(name):
+def is_effect(name: str) -> bool:
     """Whether a class is a single effect."""
     return name not in PRIOR
 
 
-def moments(values):
+def moments(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard deviation (p,) of the columns of (n, p), NaN left aside; 0 and 1 where nothing is known."""
     known = ~np.isnan(values)
     count = np.maximum(known.sum(axis=0), 1)
@@ -127,12 +141,12 @@ def moments(values):
     return mean, spread(np.sqrt(variance))
 
 
-def spread(deviations):
+def spread(deviations: np.ndarray) -> np.ndarray:
     """Standard deviations, 1 where nothing varies."""
     return np.where(deviations > 1.0e-9, deviations, 1.0)
 
 
-def regression(table, classes):
+def regression(table: Table, classes: Sequence[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(slopes (K, p), slopes of a case (K, q), intercept (K,)) of the conditional logistic regression.
 
     Cases are weighted so that classes count as their prior, whatever their number. A case whose cause
@@ -147,7 +161,7 @@ def regression(table, classes):
     effect = np.array([is_effect(name) for name in classes])[:, None]
     parts = np.split(np.arange(p + kinds * (p + q + 1)), [p, p + kinds * p, p + kinds * (p + q)])
 
-    def unpacked(values):
+    def unpacked(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         shared, own, case, intercept = (values[part] for part in parts)
         return shared, own.reshape(kinds, p), case.reshape(kinds, q), intercept
 
@@ -156,7 +170,7 @@ def regression(table, classes):
     penalties[parts[1]] = np.where(effect, PENALTY_OWN, PENALTY).repeat(p, axis=1).ravel()
     penalties[parts[2]] = np.where(effect, 3.0, 1.0).repeat(q, axis=1).ravel() * PENALTY_CASE
 
-    def loss(values):
+    def loss(values: np.ndarray) -> tuple[float, np.ndarray]:
         shared, own, case, intercept = unpacked(values)
         shares = softmax(logits(*table[:-1], (effect * shared + own, case, intercept)))
         value = -weights @ np.log(np.maximum(shares[rows, table.truth], 1.0e-300))
@@ -180,7 +194,9 @@ def regression(table, classes):
     return effect * shared + own, case, intercept
 
 
-def out_of_fold(table, classes, origins=None, seed=0):
+def out_of_fold(
+    table: Table, classes: Sequence[str], origins: Sequence[Origin] | None = None, seed: int = 0
+) -> np.ndarray:
     """1 - probability of the true class, (m,), each case judged by a model fitted without its world and its kind."""
     if origins is None:
         origins = [Origin(f"{number}") for number in range(len(table.truth))]
@@ -193,7 +209,9 @@ def out_of_fold(table, classes, origins=None, seed=0):
     return scores
 
 
-def left_out(origins, seed=0, folds=FOLDS):
+def left_out(
+    origins: Sequence[Origin], seed: int = 0, folds: int = FOLDS
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Pairs (indices of cases to judge, indices of those that teach): neither their worlds nor their kinds of unknown.
 
     Worlds are dealt to the folds at random, largest first, whole: every case is judged once.

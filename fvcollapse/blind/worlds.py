@@ -8,13 +8,18 @@ well: such a laboratory can be diagnosed with its controls only.
 Worlds of training and of blind suites have other kinds of physics (`Style.worlds`).
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fvcollapse.blind.outside import draw_smooth_error
-from fvcollapse.blind.set_ups import BELIEVED, MATERIAL_SD, STATEMENTS
+from fvcollapse.blind.plain_values import Force, Keys, World
+from fvcollapse.blind.set_ups import BELIEVED, MATERIAL_SD, STATEMENTS, SetUp
 from fvcollapse.effects.catalogue import CATALOGUE
+
+if TYPE_CHECKING:
+    from fvcollapse.blind.causes import Style
 
 SLIGHT, STRONG = "slight", "strong"
 SIZES = {SLIGHT: (0.05, 0.25), STRONG: (0.4, 1.0)}  # of the physics
@@ -32,52 +37,52 @@ BED_LENGTH = 0.08  # m over which the friction of an uneven bed varies
 class Physics(NamedTuple):
     """What a kind of hidden physics adds: tables `[effects.<name>]`, and forces (see `outside`)."""
 
-    effects: dict
-    forces: tuple = ()
+    effects: dict[str, Keys]
+    forces: tuple[Force, ...] = ()
 
 
-def effect_keys(name, size, closure=0):
+def effect_keys(name: str, size: float, closure: int = 0) -> Keys:
     """Keys of an effect of the catalogue at a size in (0, 1): the quantiles of its priors, from the weak end."""
     return CATALOGUE[name].keys(min(max(size, 0.02), 0.98), CATALOGUE[name].variants[closure])
 
 
-def thin_layers(size, rng, mu_1):
+def thin_layers(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """Thin layers are stronger than the model has them."""
     return Physics({"thin_layer": {"length": 0.2 + 2.3 * size, "closure": "thickness"}})
 
 
-def thin_layers_without_fluidity(size, rng, mu_1):
+def thin_layers_without_fluidity(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """The same by granular fluidity that vanishes on the bed."""
     return Physics({"thin_layer": {"length": 0.2 + 2.3 * size, "closure": "nonlocal"}})
 
 
-def dilatant_grains(size, rng, mu_1):
+def dilatant_grains(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """The packing loosens as it flows."""
     return Physics({"dilatancy": effect_keys("dilatancy", 0.7 * size)})
 
 
-def hysteretic_grains(size, rng, mu_1):
+def hysteretic_grains(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """Grains at rest are held by more friction than grains that flow."""
     return Physics({"friction_hysteresis": effect_keys("friction_hysteresis", size)})
 
 
-def slippery_bed(size, rng, mu_1):
+def slippery_bed(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """Grains slide on the bed."""
     return Physics({"bed_friction": {"mu_bed": mu_1 * (1.0 - 0.35 * size)}})
 
 
-def loose_bed(size, rng, mu_1):
+def loose_bed(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """Grains of an earlier run lie on the bed."""
     return Physics({"erodible_bed": {"thickness": 0.001 + 0.005 * size}})
 
 
-def rubbing_walls(size, rng, mu_1):
+def rubbing_walls(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """The lateral walls rub a little, most near the surface."""
-    keys = {"closure": "sink_weakening", "mu_wall": 0.15 * size, "deep_ratio": 0.3}
+    keys: Keys = {"closure": "sink_weakening", "mu_wall": 0.15 * size, "deep_ratio": 0.3}
     return Physics({"lateral_friction": keys})
 
 
-def uneven_bed(size, rng, mu_1):
+def uneven_bed(size: float, rng: np.random.Generator, mu_1: float) -> Physics:
     """The friction of the bed varies from place to place."""
     force = {
         "kind": "uneven_friction",
@@ -103,7 +108,9 @@ KINDS = {
 }
 
 
-def draw_world(name, style, seed, cells=None):
+def draw_world(
+    name: str, style: "Style", seed: int | Sequence[int], cells: tuple[float, float] | None = None
+) -> World:
     """The world of a name, as plain values.
 
     Parameters
@@ -127,7 +134,9 @@ def draw_world(name, style, seed, cells=None):
     possible = [kind for kind in style.worlds if strength == STRONG or kind in GENTLE]
     kinds = [str(kind) for kind in rng.choice(possible, count, replace=False)]
     material = {key: folded(rng, BELIEVED[key], sd) for key, sd in MATERIAL_SD.items()}
-    mu_1, effects, forces = material["rheology.mu_1"], {}, []
+    mu_1 = material["rheology.mu_1"]
+    effects: dict[str, Keys] = {}
+    forces: list[Force] = []
     for kind in kinds:
         physics = KINDS[kind](float(rng.uniform(*SIZES[strength])), rng, mu_1)
         effects |= physics.effects
@@ -151,13 +160,15 @@ def draw_world(name, style, seed, cells=None):
     }
 
 
-def draw_common(rng):
+def draw_common(rng: np.random.Generator) -> dict[str, float]:
     """Errors, in standard deviations, that all experiments of a laboratory share: set-up, scale, origin and clock."""
     names = (*STATEMENTS["one_tank"].sd, "scale", "offset", "time")
     return {name: float(rng.standard_normal()) for name in names}
 
 
-def draw_numerics(style, rng, cells):
+def draw_numerics(
+    style: "Style", rng: np.random.Generator, cells: tuple[float, float]
+) -> dict[str, float]:
     """A grid (cells in the height), a time step and a regularisation that no diagnosis has, over their defaults."""
     return {
         "cells": float(rng.uniform(*cells)),
@@ -167,7 +178,7 @@ def draw_numerics(style, rng, cells):
     }
 
 
-def numerics_keys(numerics, set_up):
+def numerics_keys(numerics: Mapping[str, float], set_up: SetUp) -> dict[str, float]:
     """Case keys of the numerics of a world, for a set-up."""
     size = set_up.height / numerics["cells"]
     return {
@@ -178,12 +189,12 @@ def numerics_keys(numerics, set_up):
     }
 
 
-def folded(rng, mean, sd):
+def folded(rng: np.random.Generator, mean: float, sd: float) -> float:
     """A normal number, folded to positive values (a slope of zero is one of either sign)."""
     return float(abs(mean + sd * rng.standard_normal()))
 
 
-def world_seeds(count, rng):
+def world_seeds(count: int, rng: np.random.Generator) -> dict[str, int]:
     """{name of a world: seed} of some worlds."""
     digits = max(2, len(str(count)))
     return {

@@ -4,9 +4,10 @@ With controls, experiments in which nothing is hidden, all gaps are judged after
 their expected discrepancy is subtracted, its covariance is part of U.
 """
 
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +23,16 @@ from fvcollapse.diagnosis.covariance import (
 from fvcollapse.diagnosis.evidence import Evidence, ModelComparison
 from fvcollapse.diagnosis.gap_map import GapMap, gap_map
 from fvcollapse.diagnosis.library import DRAWS, Library, add_levels, build_library
-from fvcollapse.diagnosis.mass_balance import mass_balance
+from fvcollapse.diagnosis.mass_balance import MassBalance, mass_balance
 from fvcollapse.diagnosis.practical import with_left
 from fvcollapse.diagnosis.question import Question
-from fvcollapse.diagnosis.separability import null_test, separability
+from fvcollapse.diagnosis.separability import Separability, null_test, separability
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.emulator import Response
+    from fvcollapse.diagnosis.points import Points
+    from fvcollapse.diagnosis.runner import Runner
+    from fvcollapse.measure.experiment import Experiment
 
 ORDER = 1.0  # of convergence; see the convergence study
 REFINEMENTS = 2  # rounds of further levels
@@ -44,21 +51,16 @@ class Analysis:
     question : Question
     library : Library
         Over the points of experiments and controls, N + M of them.
-    measurement, numerical : (N, N) arrays
-        Parts of U.
-    calibration : (N, N) array
-        Sigma_nu, the last part (but for the controls).
+    measurement, numerical, calibration : (N, N) arrays
+        Parts of U, but for the controls; the last is Sigma_nu.
     covariance, kernel : (N, N) arrays
         U and K_delta; U is conditioned on the controls.
-    shift : (N,) array
-        Discrepancy that the controls let expect (simulated - measured); zero without them.
-    expected : (N,) array
-        Mean of the ensemble minus the baseline.
+    shift, expected : (N,) arrays
+        Discrepancy that controls let expect (simulated - measured; 0 without them); mean of the ensemble - baseline.
     discrepancy : Discrepancy or None
         What was learned from the controls.
     everything : (N + M, N + M) array
-        Covariance of all gaps that no calibration explains: measurement, discretisation, set-up and the
-        learned discrepancy.
+        Covariance of all gaps that no calibration explains: measurement, grid, set-up and learned discrepancy.
     gap_map : GapMap
     comparison : ModelComparison
     evidence : Evidence
@@ -80,46 +82,46 @@ class Analysis:
     evidence: Evidence
 
     @property
-    def experiments(self):
+    def experiments(self) -> "tuple[Experiment, ...]":
         """The experiments to fit."""
         return self.question.experiments
 
     @property
-    def controls(self):
+    def controls(self) -> "tuple[Experiment, ...]":
         """Experiments in which nothing is hidden."""
         return self.question.controls
 
     @property
-    def points(self):
+    def points(self) -> "Points":
         """`Points` of the experiments."""
         return self.question.points
 
     @property
-    def seed(self):
+    def seed(self) -> int:
         """Of all random draws."""
         return self.question.seed
 
     @property
-    def own(self):
+    def own(self) -> slice:
         """Slice of the points of the experiments among those of the library."""
         return slice(0, len(self.points))
 
     @property
-    def baseline(self):
+    def baseline(self) -> np.ndarray:
         """Baseline on the finer grid, (N,)."""
         return self.library.fine[self.own]
 
     @cached_property
-    def responses(self):
+    def responses(self) -> "dict[str, list[Response]]":
         """Effect -> `Response`s on the points of the experiments."""
         return responses_on(self.library.responses, self.own)
 
     @property
-    def gap(self):
+    def gap(self) -> np.ndarray:
         """Simulated - measured, (N,), as it is compared: mean of the ensemble, less the shift."""
         return self.baseline - self.shift + self.expected - self.points.measured
 
-    def evidence_of(self, effects):
+    def evidence_of(self, effects: Collection[str]) -> Evidence:
         """The `Evidence` of some effects, as if the others were not in the catalogue."""
         responses = {name: each for name, each in self.responses.items() if name in effects}
         comparison = ModelComparison(self.covariance, self.kernel, responses, self.points)
@@ -127,19 +129,26 @@ class Analysis:
         return replace(comparison.evidence(self.gap), balance=known.balance, left=known.left)
 
     @cached_property
-    def separability(self):
+    def separability(self) -> Separability:
         """The `Separability` of the effects."""
         return separability(self.covariance, self.kernel, self.responses)
 
     @cached_property
-    def null_wins(self):
+    def null_wins(self) -> dict[str, float]:
         """Effects that win where only the calibration is off: {name: share of the draws}."""
         samples = self.library.samples[:, self.own]
         rng = np.random.default_rng([self.seed, 2])
         return null_test(samples, samples.mean(axis=0), self.comparison, self.measurement, rng)
 
 
-def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEMENTS):
+def analyse(
+    question: Question,
+    runner: "Runner",
+    *,
+    effects: Sequence[str] | None = None,
+    draws: int = DRAWS,
+    refinements: int = REFINEMENTS,
+) -> Analysis:
     """The `Analysis` of a question: runs what is missing, then compares.
 
     Where the emulator is uncertain at the best values of the two best effects, they are run there too.
@@ -150,10 +159,8 @@ def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEME
     runner : Runner
     effects : sequence of str, optional
         Only these of the catalogue.
-    draws : int
-        Size of the ensemble of calibrated parameters.
-    refinements : int
-        Rounds of further levels at most.
+    draws, refinements : int
+        Size of the ensemble of calibrated parameters; rounds of further levels at most.
 
     Raises
     ------
@@ -173,7 +180,7 @@ def analyse(question, runner, *, effects=None, draws=DRAWS, refinements=REFINEME
     return with_left(analysis)
 
 
-def uncertain_levels(analysis):
+def uncertain_levels(analysis: Analysis) -> list[tuple[str, int, np.ndarray]]:
     """(effect, closure, u) of the two best effects where the emulator errs by more than the noise."""
     hypotheses = analysis.evidence.hypotheses
     single = [hypotheses[name] for name in hypotheses if name in analysis.library.responses]
@@ -205,7 +212,7 @@ class Uncertainty(NamedTuple):
     expected: np.ndarray
 
     @property
-    def known(self):
+    def known(self) -> np.ndarray:
         """U: everything but the error of the model."""
         return self.measurement + self.numerical + self.calibration
 
@@ -219,7 +226,7 @@ class Discount(NamedTuple):
     everything: np.ndarray
 
 
-def uncertainty_of(library):
+def uncertainty_of(library: Library) -> Uncertainty:
     """The `Uncertainty` of a library."""
     points = library.points
     measurement = measurement_covariance(points, points.sensitivity(library.seen))
@@ -229,7 +236,7 @@ def uncertainty_of(library):
     return Uncertainty(measurement, numerical, calibration, kernel, mean - library.coarse)
 
 
-def discount(question, library, uncertainty):
+def discount(question: Question, library: Library, uncertainty: Uncertainty) -> Discount:
     """The `Discount` of the controls; without controls nothing is taken off."""
     points, count = library.points, len(question.points)
     everything = uncertainty.measurement + uncertainty.numerical + library.set_up_covariance
@@ -246,14 +253,14 @@ def discount(question, library, uncertainty):
     return Discount(*conditioned, learned, everything + learned.covariance)
 
 
-def compare_library(question, library):
+def compare_library(question: Question, library: Library) -> Analysis:
     """The `Analysis` of a library that is there."""
     points, uncertainty = question.points, uncertainty_of(library)
     own = slice(0, len(points))
     known = discount(question, library, uncertainty)
     compared = library.fine[own] - known.shift
     rng = np.random.default_rng([question.seed, 1])
-    parts = {
+    parts: dict[str, Any] = {
         "measurement": uncertainty.measurement[own, own],
         "numerical": uncertainty.numerical[own, own],
         "calibration": uncertainty.calibration[own, own],
@@ -266,7 +273,7 @@ def compare_library(question, library):
     return Analysis(question, library, **parts, **evidence_on(library, parts, points, balance))
 
 
-def compare_again(analysis, library):
+def compare_again(analysis: Analysis, library: Library) -> Analysis:
     """The `Analysis` after further levels: the responses differ, and what follows from them; nothing else does."""
     parts, balance = vars(analysis), analysis.evidence.balance
     parts = {field.name: parts[field.name] for field in fields(analysis)}
@@ -274,18 +281,10 @@ def compare_again(analysis, library):
     return Analysis(**parts | {"library": library} | changed)
 
 
-def evidence_on(library, parts, points, balance):
-    """{"comparison", "evidence"} of the responses of a library.
-
-    Parameters
-    ----------
-    library : Library
-    parts : dict
-        Attributes of an `Analysis`.
-    points : Points
-        Of the experiments.
-    balance : MassBalance or None
-    """
+def evidence_on(
+    library: Library, parts: Mapping[str, Any], points: "Points", balance: MassBalance | None
+) -> dict[str, Any]:
+    """{"comparison", "evidence"} of a library on the `points` of experiments; `parts`: attributes of an `Analysis`."""
     responses = responses_on(library.responses, slice(0, len(points)))
     comparison = ModelComparison(parts["covariance"], parts["kernel"], responses, points)
     compared = library.fine[: len(points)] - parts["shift"]
@@ -293,6 +292,8 @@ def evidence_on(library, parts, points, balance):
     return {"comparison": comparison, "evidence": replace(evidence, balance=balance)}
 
 
-def responses_on(responses, rows):
+def responses_on(
+    responses: "Mapping[str, Sequence[Response]]", rows: slice
+) -> "dict[str, list[Response]]":
     """The responses on some of the points."""
     return {name: [each.on(rows) for each in variants] for name, variants in responses.items()}

@@ -1,13 +1,18 @@
 """The ensemble of calibrated parameters: its mean, its covariance and the sensitivity to each quantity."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.diagnosis.covariance import calibration_covariance
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.library import Library
+
 RIDGE = 0.1  # of the regression on the draws: few draws leave some directions open
 
 
-def calibration_of(library):
+def calibration_of(library: "Library") -> tuple[np.ndarray, np.ndarray]:
     """Mean of the ensemble (N,) and Sigma_nu (N, N)."""
     linear = library.sensitivities
     drawn = library.draws - library.draws.mean(axis=0)
@@ -20,7 +25,7 @@ def calibration_of(library):
     return calibration_covariance(library.samples, linear, residual, spare)
 
 
-def sensitivities(library):
+def sensitivities(library: "Library") -> np.ndarray:
     """Change of the simulated values per standard deviation of each quantity, (n, N).
 
     Least squares over the ensemble, experiment by experiment on the quantities that enter it.

@@ -1,6 +1,6 @@
 """How strongly a cause may be stated: the tests that the runs of the ladder pass or fail."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -10,6 +10,14 @@ from fvcollapse.diagnosis.closing import closing, gaps_of
 from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.ladder import fold_fractions, fold_remainders
 from fvcollapse.diagnosis.names import EFFECT, NAMED, RECALIBRATED, RUNNER_UP, WINNER
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.evidence import Hypothesis
+    from fvcollapse.diagnosis.ladder import Ladder
+    from fvcollapse.diagnosis.verdict import Verdict
 
 PLAUSIBLE = 0.01  # quantile of its prior beyond which a parameter is at its bound
 AT_BOUND = 1.0e-3  # quantile nearer than which to the end of the range a fit has been stopped by it
@@ -39,7 +47,7 @@ class FoldTest(NamedTuple):
     rival_left: float | None
 
     @property
-    def is_won(self):
+    def is_won(self) -> bool:
         """Whether the winner leaves less than its rival, also where both close all that is beyond the noise."""
         return self.rival_left is None or self.winner_left < self.rival_left
 
@@ -65,7 +73,7 @@ class ConfirmationTests(NamedTuple):
     """
 
     rival: str
-    folds: tuple
+    folds: tuple[FoldTest, ...]
     has_held_out: bool
     parameters_inside: bool
     p_value: float
@@ -73,17 +81,17 @@ class ConfirmationTests(NamedTuple):
     is_alone: bool
 
     @property
-    def passes_check(self):
+    def passes_check(self) -> bool:
         """Whether the gap that remains passes the predictive check."""
         return self.p_value >= CHECK_PASSED
 
     @property
-    def shrinks(self):
+    def shrinks(self) -> bool:
         """Whether the gap shrinks in every experiment that was held out."""
         return all(fold.winner > 0.0 for fold in self.folds if fold.held_out)
 
     @property
-    def strength(self):
+    def strength(self) -> str:
         """The strongest statement that the tests allow."""
         held_out = [fold.is_won for fold in self.folds if fold.held_out]
         sound = self.parameters_inside and self.passes_check and self.is_alone
@@ -95,7 +103,7 @@ class ConfirmationTests(NamedTuple):
         return CONSISTENT
 
 
-def confirm(analysis, verdict, ladder):
+def confirm(analysis: "Analysis", verdict: "Verdict", ladder: "Ladder") -> ConfirmationTests | None:
     """The `ConfirmationTests` of the cause; None where none is named or its runs failed."""
     if verdict.kind not in NAMED or WINNER not in ladder.fitted.simulated:
         return None
@@ -124,18 +132,18 @@ def confirm(analysis, verdict, ladder):
     )
 
 
-def is_alone(verdict, winner):
+def is_alone(verdict: "Verdict", winner: str) -> bool:
     """Whether one hypothesis is named, and none of its effects looks like another."""
     confused = {name for group in verdict.indistinguishable if len(group) > 1 for name in group}
     return (verdict.kind == EFFECT or "+" in winner) and not confused & set(verdict.effects)
 
 
-def is_inside(u):
+def is_inside(u: "ArrayLike") -> bool:
     """Whether quantiles lie inside the central 98 %, at whose ends a fit stops."""
     return bool(np.all(np.abs(np.asarray(u) - 0.5) < 0.5 - PLAUSIBLE - AT_BOUND))
 
 
-def predictive_check(analysis, ladder, hypothesis):
+def predictive_check(analysis: "Analysis", ladder: "Ladder", hypothesis: "Hypothesis") -> float:
     """p-value of what remains in the true runs with the winner."""
     gap = gaps_of(ladder.fitted, WINNER)
     own = analysis.own

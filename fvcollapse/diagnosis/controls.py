@@ -13,8 +13,9 @@ References
 Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
+from collections.abc import Mapping, Sequence
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -26,6 +27,9 @@ from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.covariance import BETWEEN_RUNS
 from fvcollapse.diagnosis.points import Points
 from fvcollapse.diagnosis.shared_physics import covariance_of, shared_physics
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
 
 # logarithm of a factor before the controls are seen: a model may leave out a mechanism, such as the
 # change of volume, of which its parameters know nothing
@@ -63,10 +67,10 @@ class Discrepancy(NamedTuple):
         Effect that the controls show in all runs -> its share; see `shared_physics`.
     """
 
-    factors: dict
+    factors: dict[str, float]
     correlation: float
     covariance: np.ndarray
-    effects: dict = {}  # noqa: RUF012
+    effects: dict[str, float] = {}  # noqa: RUF012
 
 
 class Shown(NamedTuple):
@@ -94,7 +98,7 @@ class Conditioned(NamedTuple):
     covariance: np.ndarray
 
 
-def set_ups_apart(experiments):
+def set_ups_apart(experiments: "Sequence[Experiment]") -> np.ndarray:
     """Distance D of the set-ups of experiments as they are stated: (n, n) array, 1 for 6 degrees of slope."""
     places, others = [], []
     for experiment in experiments:
@@ -121,7 +125,13 @@ def set_ups_apart(experiments):
     return cdist(places, places) + shaped
 
 
-def learn(shown, covariance, kernel, apart, columns=None):
+def learn(
+    shown: Shown,
+    covariance: np.ndarray,
+    kernel: np.ndarray,
+    apart: np.ndarray,
+    columns: Mapping[str, np.ndarray] | None = None,
+) -> Discrepancy:
     """The `Discrepancy` that the controls show, with the effects of the catalogue that explain it best.
 
     Parameters
@@ -142,7 +152,9 @@ def learn(shown, covariance, kernel, apart, columns=None):
     return rest._replace(covariance=rest.covariance + physics, effects=effects)
 
 
-def learn_smooth(shown, covariance, kernel, apart):
+def learn_smooth(
+    shown: Shown, covariance: np.ndarray, kernel: np.ndarray, apart: np.ndarray
+) -> Discrepancy:
     """The `Discrepancy` without an effect of the catalogue.
 
     Parameters
@@ -158,7 +170,7 @@ def learn_smooth(shown, covariance, kernel, apart):
     own = np.ix_(given, given)
     seen, known = shown.gap[given], covariance[own]
 
-    def cost(parameters):
+    def cost(parameters: np.ndarray) -> float:
         """Minus the logarithm of likelihood and prior."""
         total = known + smooth.covariance(parameters, given, kernel[own])
         try:
@@ -182,22 +194,24 @@ def learn_smooth(shown, covariance, kernel, apart):
 class Smooth:
     """S K S for given parameters: logarithms of the factors of the observables `names`, and the logit of rho."""
 
-    def __init__(self, shown, apart):
+    def __init__(self, shown: Shown, apart: np.ndarray) -> None:
         self.observable = shown.points.observable
         self.names = np.unique(self.observable[shown.given]).tolist()
         _, first, self.run = np.unique(shown.points.experiment, True, True)
         self.between_runs = apart[np.ix_(first, first)]
 
-    def factors(self, parameters):
+    def factors(self, parameters: np.ndarray) -> dict[str, float]:
         """{observable: factor}."""
         return dict(zip(self.names, np.exp(parameters[:-1]).tolist(), strict=True))
 
-    def correlation(self, parameters):
+    def correlation(self, parameters: np.ndarray) -> float:
         """Correlation rho of runs one unit apart."""
         low, high = CORRELATIONS
         return float(low + (high - low) / (1.0 + np.exp(-parameters[-1])))
 
-    def covariance(self, parameters, rows, kernel):
+    def covariance(
+        self, parameters: np.ndarray, rows: np.ndarray | slice, kernel: np.ndarray
+    ) -> np.ndarray:
         """S K S of some points, whose `kernel` is given."""
         factors = self.factors(parameters)
         factor = np.array([factors.get(name, FACTOR_MEDIAN) for name in self.observable[rows]])
@@ -206,20 +220,24 @@ class Smooth:
         between = shared[np.ix_(self.run[rows], self.run[rows])]
         return between * kernel * np.outer(factor, factor)
 
-    def penalty(self, parameters):
+    def penalty(self, parameters: np.ndarray) -> float:
         """Minus the logarithm of the prior."""
         shifts = (parameters[:-1] - np.log(FACTOR_MEDIAN)) / FACTOR_SPREAD
         return 0.5 * (shifts @ shifts) + 0.5 * (parameters[-1] / CORRELATION_SPREAD) ** 2
 
 
-def first_factors(names, observable, gap, kernel):
+def first_factors(
+    names: Sequence[str], observable: np.ndarray, gap: np.ndarray, kernel: np.ndarray
+) -> np.ndarray:
     """Factors (n,) that give each observable the root mean square of its gap."""
     mean = {name: np.mean(gap[observable == name] ** 2) for name in names}
     own = {name: np.mean(np.diag(kernel)[observable == name]) for name in names}
     return np.array([np.sqrt(max(mean[name] / own[name], 1.0e-4)) for name in names])
 
 
-def condition(given, wanted, gap, covariance):
+def condition(
+    given: np.ndarray, wanted: np.ndarray, gap: np.ndarray, covariance: np.ndarray
+) -> Conditioned:
     """The `Conditioned` gap of some points, given that of others.
 
     Parameters

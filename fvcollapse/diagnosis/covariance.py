@@ -14,9 +14,14 @@ ASME V&V 20 (2009); Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425; Schaef
 Stat. Appl. Genet. Mol. Biol. 4, 32 (shrinkage of the correlation).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.measure.quantities import HEIGHTS, QUANTITIES
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.points import Points, Sensitivity
 
 SMALLEST = (
     1.0e-3  # a standard deviation of 0 is read as this part of the largest value of the curve
@@ -32,7 +37,7 @@ BETWEEN_RUNS = 0.5  # correlation of the discrepancies of two runs
 COMMON = None  # in place of the name of one experiment: the error is that of the laboratory
 
 
-def measurement_covariance(points, sensitivity):
+def measurement_covariance(points: "Points", sensitivity: "Sensitivity") -> np.ndarray:
     """Sigma_D, (N, N), symmetric positive definite.
 
     Run-level errors, each one standard deviation of one shape: thicknesses, interface and final height
@@ -47,12 +52,12 @@ def measurement_covariance(points, sensitivity):
     sensitivity : Sensitivity
         Of a simulation on these points (`Points.sensitivity`).
     """
-    shapes, heights = {}, np.isin(points.observable, HEIGHTS)
+    shapes, heights = {}, np.isin(points.observable, HEIGHTS)  # type: ignore[var-annotated]
     for experiment in points.experiments:
         own = points.of(experiment)
         geometry = experiment.settings.geometry
-        ruler = experiment.standard_deviation("height_0", geometry.height_0) / geometry.height_0
-        offset = experiment.standard_deviation("length_0", geometry.length_0)
+        ruler = experiment.standard_deviation("height_0", geometry.height_0) / geometry.height_0  # type: ignore[arg-type, operator]
+        offset = experiment.standard_deviation("length_0", geometry.length_0)  # type: ignore[arg-type]
         errors = {
             "height_0": ruler * np.where(heights, points.measured, 0.0)[own],
             "length_0": offset * sensitivity.origin[own],
@@ -61,13 +66,13 @@ def measurement_covariance(points, sensitivity):
         for name, error in errors.items():
             laboratory = COMMON if experiment.has_common(name) else experiment.name
             shapes.setdefault((name, laboratory), np.zeros(len(points)))[own] = error
-    shapes = np.array([*shapes.values()])
-    covariance = shapes.T @ shapes
+    shapes = np.array([*shapes.values()])  # type: ignore[assignment]
+    covariance = shapes.T @ shapes  # type: ignore[attr-defined]
     covariance[np.diag_indices(len(points))] += floored(points) ** 2
     return covariance
 
 
-def floored(points):
+def floored(points: "Points") -> np.ndarray:
     """Standard deviations of the measurement, none of them zero, (N,)."""
     sigma = points.sigma.copy()
     for block in points.blocks:
@@ -77,7 +82,14 @@ def floored(points):
     return sigma
 
 
-def numerical_covariance(points, coarse, fine, ratio, order, used="fine"):
+def numerical_covariance(
+    points: "Points",
+    coarse: np.ndarray,
+    fine: np.ndarray,
+    ratio: float,
+    order: float,
+    used: str = "fine",
+) -> np.ndarray:
     """Sigma_num, (N, N), positive semi-definite: one rank-1 block for each run.
 
     The error of the finer grid is taken as (coarse - fine) / (ratio^order - 1), the one of the coarser
@@ -105,7 +117,7 @@ def numerical_covariance(points, coarse, fine, ratio, order, used="fine"):
     return covariance
 
 
-def ensemble_covariance(samples):
+def ensemble_covariance(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean (N,) and covariance (N, N) of an ensemble, symmetric positive definite.
 
     The sample correlation is shrunk towards none by the amount that minimises its expected square error
@@ -131,7 +143,9 @@ def ensemble_covariance(samples):
     return mean, correlation * np.outer(scale, scale)
 
 
-def calibration_covariance(samples, linear, rest, spare):
+def calibration_covariance(
+    samples: np.ndarray, linear: np.ndarray, rest: np.ndarray, spare: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Mean (N,) of an ensemble and Sigma_nu (N, N), symmetric positive definite.
 
     Twenty runs drawn in a dozen directions say little about any one direction: their plain covariance has
@@ -155,7 +169,7 @@ def calibration_covariance(samples, linear, rest, spare):
     return samples.mean(axis=0), (1.0 + 1.0 / m) * linear.T @ linear + (m - 1.0) / spare * left
 
 
-def correlation_shrinkage(scaled, correlation):
+def correlation_shrinkage(scaled: np.ndarray, correlation: np.ndarray) -> float:
     """Estimated variances of all correlations over their squares, in [`SMALLEST_SHRINKAGE`, 1]."""
     m = len(scaled)
     squares = scaled**2
@@ -168,7 +182,7 @@ def correlation_shrinkage(scaled, correlation):
     return float(np.clip(variance / square if square > 0.0 else 1.0, SMALLEST_SHRINKAGE, 1.0))
 
 
-def discrepancy_amplitude(points, variance):
+def discrepancy_amplitude(points: "Points", variance: np.ndarray) -> np.ndarray:
     """Standard deviation of K_delta, (N,): a model errs where its parameters matter.
 
     Parameters
@@ -184,7 +198,7 @@ def discrepancy_amplitude(points, variance):
     return np.sqrt(variance + floor**2 + (INSENSITIVE * floored(points)) ** 2)
 
 
-def discrepancy_kernel(points, amplitude):
+def discrepancy_kernel(points: "Points", amplitude: np.ndarray) -> np.ndarray:
     """K_delta, (N, N), positive semi-definite.
 
     Matern-3/2 in X / 0.15 length and t / 0.3 duration of each run, for each observable by itself (runout
@@ -207,12 +221,12 @@ def discrepancy_kernel(points, amplitude):
     distance = np.hypot(place[:, None] - place, moment[:, None] - moment)
     matern = (1.0 + np.sqrt(3.0) * distance) * np.exp(-np.sqrt(3.0) * distance)
     curve = points.per_point(lambda block: discrepancy_of(block.observable))
-    run = points.experiment
-    between = np.where(run[:, None] == run, 1.0, BETWEEN_RUNS)
+    run = points.experiment  # type: ignore[assignment]
+    between = np.where(run[:, None] == run, 1.0, BETWEEN_RUNS)  # type: ignore[call-overload]
     return (curve[:, None] == curve) * between * matern * np.outer(amplitude, amplitude)
 
 
-def discrepancy_of(observable):
+def discrepancy_of(observable: str) -> str:
     """The observable whose model error this one shares: itself, or the curve that a number belongs to."""
     quantity = QUANTITIES.get(observable)
     return quantity.discrepancy if quantity is not None and quantity.discrepancy else observable

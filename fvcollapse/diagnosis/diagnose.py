@@ -6,8 +6,10 @@ the effect to the solver, `choices` plans the next experiment, `report_of` write
 
 import dataclasses
 import time
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec.structs import replace
@@ -44,26 +46,35 @@ from fvcollapse.output.question import claim_folder
 from fvcollapse.studies.standing import StandingWorkers
 from fvcollapse.studies.workers import refuse_workers
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.evidence import Evidence
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.run_table import RunRow
+    from fvcollapse.diagnosis.report.schema import Report
+    from fvcollapse.diagnosis.runner import Runner
+    from fvcollapse.diagnosis.verdict import Verdict
+
 FILMED = 50  # measured values from which the verdict layer, fitted to films of hundreds, is asked
 
 
 def diagnose(
-    experiments,
-    case=None,
-    hold_out=(),
-    effects=None,
-    workers=2,
-    scheduler=None,
-    folder=None,
-    cell_size=None,
-    seed=0,
+    experiments: Sequence[Experiment | str | Path],
+    case: Case | str | Path | None = None,
+    hold_out: Sequence[Experiment | str | Path] = (),
+    effects: Sequence[str] | None = None,
+    workers: int = 2,
+    scheduler: str | None = None,
+    folder: str | Path | None = None,
+    cell_size: float | None = None,
+    seed: int = 0,
     *,
-    controls=(),
-    cache=None,
-    draws=DRAWS,
-    quiet=True,
-    force=False,
-):
+    controls: Sequence[Experiment | str | Path] = (),
+    cache: str | Path | None = None,
+    draws: int = DRAWS,
+    quiet: bool = True,
+    force: bool = False,
+) -> "Report":
     """Diagnose the gap between experiments and the model that is believed.
 
     All runs go through the cache of runs: an interrupted diagnosis continues where it was with the same
@@ -132,10 +143,15 @@ def diagnose(
         parts = partial_answers(sequence(analysis, judge))
         details = replace(report.details, runs=run_groups(rows), made=origin, sequence=parts)
         report = replace(report, warnings=warnings, details=details)
-        return report if folder is None else written(report, rows, folder, painter.draw)
+        return report if folder is None else written(report, rows, folder, painter.draw)  # type: ignore[union-attr]
 
 
-def written(report, rows, folder, draw=None):
+def written(
+    report: "Report",
+    rows: "Sequence[RunRow]",
+    folder: str | Path,
+    draw: "Callable[[Report, int], list[Picture]] | None" = None,
+) -> "Report":
     """The report as it stands in its folder, with its page, its runs and the case of the next experiment.
 
     Parameters
@@ -161,7 +177,14 @@ def written(report, rows, folder, draw=None):
     return report
 
 
-def ask(experiments, hold_out, controls, case, cell_size, seed):
+def ask(
+    experiments: Sequence[Experiment | str | Path],
+    hold_out: Sequence[Experiment | str | Path],
+    controls: Sequence[Experiment | str | Path],
+    case: Case | str | Path | None,
+    cell_size: float | None,
+    seed: int,
+) -> Question:
     """The `Question`, its input read and checked; parameters as for `diagnose`.
 
     Raises
@@ -180,14 +203,14 @@ def ask(experiments, hold_out, controls, case, cell_size, seed):
     return question
 
 
-def judge(analysis):
+def judge(analysis: "Analysis") -> "tuple[Analysis, Verdict, VerdictModel | None]":
     """(`Analysis` with all pairs that were opened, its `Verdict`, the `VerdictModel` or None)."""
     model = verdict_model_for(analysis)
     analysis, known = with_known(analysis, model)
     return analysis, verdict(analysis.evidence, model, analysis.separability, known), model
 
 
-def cost_of(question, runner, seconds):
+def cost_of(question: Question, runner: "Runner", seconds: float) -> Cost:
     """The `Cost` of a diagnosis that took some seconds."""
     return Cost(
         solver_runs=len(runner.asked),
@@ -197,7 +220,7 @@ def cost_of(question, runner, seconds):
     )
 
 
-def verdict_model_for(analysis):
+def verdict_model_for(analysis: "Analysis") -> VerdictModel | None:
     """The `VerdictModel` if it was fitted to data like these; else None.
 
     It was fitted to films, on cells of `usual_cell_size`, with some of the effects; diagnoses with controls have a
@@ -210,7 +233,9 @@ def verdict_model_for(analysis):
     return model if model is not None and model.judges(analysis.evidence) else None
 
 
-def with_known(analysis, model):
+def with_known(
+    analysis: "Analysis", model: VerdictModel | None
+) -> "tuple[Analysis, Evidence | None]":
     """(`Analysis`, `Evidence` of the effects that the model knows); None without a new effect.
 
     The pairs of effects that only the latter opened are added to the evidence of the analysis.
@@ -221,14 +246,14 @@ def with_known(analysis, model):
     return dataclasses.replace(analysis, evidence=merged(analysis.evidence, known)), known
 
 
-def load_all(experiments):
+def load_all(experiments: Sequence[Experiment | str | Path]) -> tuple[Experiment, ...]:
     """Experiments, read where a folder is given."""
     return tuple(
         given if isinstance(given, Experiment) else load_experiment(given) for given in experiments
     )
 
 
-def contenders(analysis, answer):
+def contenders(analysis: "Analysis", answer: "Verdict") -> tuple[str | None, str | None]:
     """(winner, runner-up) for the ladder: names of hypotheses, None where there is none.
 
     Where nothing is missing there is no winner; where the cause is unknown the best effects of the

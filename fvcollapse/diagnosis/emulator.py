@@ -26,8 +26,10 @@ Santner, Williams & Notz (2018), The design and analysis of computer experiments
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations_with_replacement
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import lu_factor, lu_solve
 
 CORRELATION_LENGTH = 0.7  # of the process, in quantiles
@@ -57,12 +59,14 @@ class Response:
     errors: np.ndarray
     scatters = False  # whether `errors` are those of realisations, see `scatter`
 
-    def on(self, rows):
+    def on(self, rows: np.ndarray | slice) -> Self:
         """The response on some of the points."""
         return replace(self, differences=self.differences[:, rows], errors=self.errors[:, rows])
 
     @classmethod
-    def fit(cls, levels, differences, off=None):
+    def fit(
+        cls, levels: np.ndarray, differences: np.ndarray, off: np.ndarray | None = None
+    ) -> Self:
         """The response through some runs.
 
         Parameters
@@ -96,7 +100,7 @@ class Response:
         return cls(levels, differences, errors)
 
     @classmethod
-    def of_one_level(cls, difference):
+    def of_one_level(cls, difference: ArrayLike) -> Self:
         """The response a(u) x one run, 0.15 <= a <= 2: for screening, and it states no error."""
         difference = np.asarray(difference, float)
         ends = np.array([LEAST_AMPLITUDE, MOST_AMPLITUDE])
@@ -105,27 +109,27 @@ class Response:
         )
 
     @property
-    def dimension(self):
+    def dimension(self) -> int:
         """Number d of parameters."""
         return self.levels.shape[1]
 
-    def weights(self, u):
+    def weights(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the levels (q, n) and kriging variance (q,) at u (q, d)."""
         return self.kriging(u)
 
     @cached_property
-    def kriging(self):
+    def kriging(self) -> "Kriging":
         """The weights and the variance as a function of u (q, d)."""
         return Kriging(self.levels)
 
-    def at(self, u):
+    def at(self, u: np.ndarray) -> np.ndarray:
         """Difference to the baseline, (N,) for u (d,) and (q, N) for u (q, d)."""
         u = np.asarray(u, float)
         weights, _ = self.weights(np.atleast_2d(u))
         values = weights @ self.differences
         return values[0] if u.ndim == 1 else values
 
-    def covariance(self, u):
+    def covariance(self, u: np.ndarray) -> np.ndarray:
         """Covariance of the error of `at`, (N, N), at u (d,)."""
         _, variance = self.weights(np.atleast_2d(u))
         return variance[0] * (self.errors.T @ self.errors)
@@ -140,7 +144,7 @@ class Kriging:
         Where the function is known.
     """
 
-    def __init__(self, levels):
+    def __init__(self, levels: np.ndarray) -> None:
         self.levels, self.terms = levels, richest_trend(levels)
         trend = monomials(levels, self.terms)
         n, p = trend.shape
@@ -149,7 +153,7 @@ class Kriging:
         system[:n, n:], system[n:, :n] = trend, trend.T
         self.covariance, self.factors = system[:n, :n], lu_factor(system)
 
-    def __call__(self, u):
+    def __call__(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the levels (q, n) and variance (q,) at u (q, d)."""
         near = correlation(self.levels, u)
         wanted = np.vstack([near, monomials(u, self.terms).T])
@@ -160,14 +164,14 @@ class Kriging:
         return weights.T, np.maximum(variance, 0.0)
 
 
-def correlation(a, b):
+def correlation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Matern-5/2 correlation of points (n, d) and (q, d), (n, q)."""
     distance = np.sqrt(5.0) / CORRELATION_LENGTH
     distance = distance * np.linalg.norm(a[:, None, :] - b[None, :, :], axis=2)
     return (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
 
 
-def richest_trend(levels):
+def richest_trend(levels: np.ndarray) -> np.ndarray:
     """Exponents (p, d) of the monomials of the richest trend that the levels determine."""
     n, d = levels.shape
     one, unit = np.zeros((1, d), int), np.eye(d, dtype=int)
@@ -180,6 +184,6 @@ def richest_trend(levels):
     return one
 
 
-def monomials(u, terms):
+def monomials(u: np.ndarray, terms: np.ndarray) -> np.ndarray:
     """Values (q, p) of the monomials with exponents (p, d) at u (q, d)."""
     return np.prod(u[:, None, :] ** terms[None, :, :], axis=2)

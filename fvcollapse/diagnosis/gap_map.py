@@ -17,9 +17,10 @@ Young (1993), Resampling-based multiple testing; Benjamini & Yekutieli (2001), A
 Lewin & Strimmer (2018), Am. Stat. 72, 309 (whitening).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat
 
 import numpy as np
 from scipy.linalg import cholesky, eigh
@@ -28,6 +29,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.stats import false_discovery_control, norm
 
 from fvcollapse.diagnosis.points import PHASES
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.points import Block, Points
 
 THRESHOLD = 2.0  # |z| inside the validation uncertainty
 FALSE_ALARM = 0.05
@@ -46,8 +50,8 @@ class Region(NamedTuple):
     experiment: str
     observable: str
     units: str
-    t_range: tuple | None
-    x_range: tuple | None
+    t_range: tuple[float, float] | None
+    x_range: tuple[float, float] | None
     gap: float
     uncertainty: float
     significance: float
@@ -98,13 +102,15 @@ class GapMap:
     gap: np.ndarray
     uncertainty: np.ndarray
     z: np.ndarray
-    regions: tuple
+    regions: tuple[Region, ...]
     discoveries: np.ndarray
-    shares: tuple
-    by_observable: tuple
+    shares: tuple[Share, ...]
+    by_observable: tuple[Level, ...]
 
 
-def gap_map(points, simulated, covariance, rng):
+def gap_map(
+    points: "Points", simulated: np.ndarray, covariance: np.ndarray, rng: np.random.Generator
+) -> GapMap:
     """The `GapMap` of simulated values.
 
     Parameters
@@ -129,14 +135,20 @@ def gap_map(points, simulated, covariance, rng):
     return GapMap(gap, uncertainty, z, regions, discoveries, shares, levels)
 
 
-def beyond_bounds(points, difference):
+def beyond_bounds(points: "Points", difference: np.ndarray) -> np.ndarray:
     """Gaps (..., N): of a bound only what is beyond it."""
     kind = points.kind
     difference = np.where(kind == "upper", np.maximum(difference, 0.0), difference)
     return np.where(kind == "lower", np.minimum(difference, 0.0), difference)
 
 
-def significant_regions(points, gap, z, covariance, rng):
+def significant_regions(
+    points: "Points",
+    gap: np.ndarray,
+    z: np.ndarray,
+    covariance: np.ndarray,
+    rng: np.random.Generator,
+) -> tuple[Region, ...]:
     """The regions whose mass no more than 5 % of simulated gaps without a cause reach anywhere."""
     factor = cholesky(covariance, lower=True, check_finite=False)
     nulls = rng.standard_normal((NULLS, len(points))) @ factor.T
@@ -162,12 +174,12 @@ def significant_regions(points, gap, z, covariance, rng):
     return tuple(regions)
 
 
-def probability(mass, largest):
+def probability(mass: np.ndarray | float, largest: np.ndarray) -> np.ndarray | float:
     """Share of the sorted largest masses that reach a mass; a mass of zero is reached by all."""
     return (1 + NULLS - np.searchsorted(largest, mass, side="left")) / (NULLS + 1)
 
 
-def neighbours(block):
+def neighbours(block: "Block") -> np.ndarray:
     """Pairs (k, 2) of neighbouring points of a block, counted from its start."""
     if len(block.time) == 1:
         return np.empty((0, 2), int)
@@ -183,7 +195,7 @@ def neighbours(block):
     return np.array(pairs, int).reshape(-1, 2)
 
 
-def clusters(z, edges):
+def clusters(z: np.ndarray, edges: np.ndarray) -> tuple[dict[str, Any], np.ndarray]:
     """Clusters of |z| > 2 of one sign in samples (m, n).
 
     Returns
@@ -205,7 +217,13 @@ def clusters(z, edges):
     return {"sample": active[first] // n, "members": members}, masses
 
 
-def region_of(block, members, gap, covariance, p_value):
+def region_of(
+    block: "Block",
+    members: np.ndarray,
+    gap: np.ndarray,
+    covariance: np.ndarray,
+    p_value: SupportsFloat,
+) -> Region:
     """The `Region` of some points of a block."""
     inside = members - block.start
     time, x = block.time[inside], block.x[inside]
@@ -219,7 +237,7 @@ def region_of(block, members, gap, covariance, p_value):
     )
 
 
-def shares_of(points, gap, covariance):
+def shares_of(points: "Points", gap: np.ndarray, covariance: np.ndarray) -> tuple[Share, ...]:
     """The `Share` of every observable and phase of every run."""
     deviation = np.sqrt(np.diag(covariance))
     size, turn = eigh(covariance / np.outer(deviation, deviation), driver="evd")
@@ -237,9 +255,11 @@ def shares_of(points, gap, covariance):
     return tuple(shares)
 
 
-def levels_of(points, gap, uncertainty, together=False):
+def levels_of(
+    points: "Points", gap: np.ndarray, uncertainty: np.ndarray, together: bool = False
+) -> Iterator[Level]:
     """The `Level` of every observable, run by run or of all runs together."""
-    levels = {}
+    levels: dict[tuple[str, str, str], list[np.ndarray]] = {}
     for block in points.blocks:
         key = ("" if together else block.experiment, block.observable, block.units)
         levels.setdefault(key, []).append(np.arange(block.start, block.stop))

@@ -6,9 +6,12 @@ cells. One level is therefore run on the finer grid too, and the change of the r
 to all levels, in proportion to their own response.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 REFERENCE = 0.65  # quantile of all parameters, near which the level that is run on both grids lies
 
@@ -23,7 +26,7 @@ class GridCorrection(NamedTuple):
     change: np.ndarray
     weight: np.ndarray
 
-    def __call__(self, difference):
+    def __call__(self, difference: np.ndarray) -> np.ndarray:
         """Response (N,) as the finer grid would have it: d + a change, a the part of the reference in d."""
         reference = self.weight * self.reference
         size = reference @ reference
@@ -32,7 +35,7 @@ class GridCorrection(NamedTuple):
         return difference + (self.weight * difference) @ reference / size * self.change
 
 
-def reference_level(levels):
+def reference_level(levels: "ArrayLike") -> int:
     """Index of the level (of m, in d parameters) that is run on both grids."""
     distance = np.linalg.norm(np.asarray(levels) - REFERENCE, axis=1)
     return int(np.argmin(distance))

@@ -6,7 +6,9 @@ One true run of every experiment verifies each re-calibration (`recalibration`).
 in it. Without any, each experiment is left out in turn.
 """
 
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +21,14 @@ from fvcollapse.diagnosis.progress import MODELS
 from fvcollapse.diagnosis.reading import Reading
 from fvcollapse.diagnosis.recalibration import Recalibration, Refit
 from fvcollapse.errors import CaseError
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.nuisances import Nuisance
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.diagnosis.runner import Failures, Label, Runner, Wanted
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
 
 
 @dataclass(frozen=True)
@@ -42,17 +52,19 @@ class Ladder:
     failures : tuple of str
     """
 
-    fits: dict
-    names: dict
-    quantities: tuple
+    fits: dict[str, Refit]
+    names: dict[str, str]
+    quantities: "tuple[Nuisance, ...]"
     fitted: Group
     held_out: Group | None
-    predicted: dict
-    left_out: dict
-    failures: tuple
+    predicted: dict[str, np.ndarray]
+    left_out: dict[str, dict[str, np.ndarray]]
+    failures: tuple[str, ...]
 
 
-def climb(analysis, runner, winner=None, runner_up=None):
+def climb(
+    analysis: "Analysis", runner: "Runner", winner: str | None = None, runner_up: str | None = None
+) -> Ladder:
     """The `Ladder` of the question of an analysis.
 
     Parameters
@@ -91,30 +103,32 @@ def climb(analysis, runner, winner=None, runner_up=None):
     )
 
 
-def refits(problem, names):
+def refits(problem: Recalibration, names: Mapping[str, str]) -> dict[str, Refit]:
     """{model: `Refit`} of the models on all points; the baseline stays as given."""
     everything = np.ones(len(problem.library.points), bool)
     fits = {model: problem.fit(name, everything) for model, name in names.items()}
     return fits | {BASELINE: Refit({}, np.zeros(len(problem.quantities)))}
 
 
-def folds_of(question):
+def folds_of(question: "Question") -> "tuple[Experiment, ...]":
     """Experiments that are left out in turn: all, where none is held out."""
     alone = question.held_out or len(question.experiments) == 1
     return () if alone else question.experiments
 
 
-def failure_lines(refused, failures):
+def failure_lines(refused: Mapping[str, CaseError], failures: "Failures") -> tuple[str, ...]:
     """One line for each model that cannot be run and for each run that failed."""
     lines = [f"{model}: {error}" for model, error in refused.items()]
     lines += [f"{model} ({name}): {error}" for (model, _, name), error in failures.items()]
     return tuple(lines)
 
 
-def true_runs(problem, fits, question):
+def true_runs(
+    problem: Recalibration, fits: Mapping[str, Refit], question: "Question"
+) -> "tuple[Wanted, dict[str, CaseError]]":
     """({label: (experiment, case)} of all models, {model: CaseError} of effects that cannot be together)."""
     cases = question.cases | question.held_out_cases
-    wanted, refused = {}, {}
+    wanted, refused = {}, {}  # type: ignore[var-annotated]
     for model, fit in fits.items():
         try:
             wanted |= {
@@ -133,7 +147,9 @@ def true_runs(problem, fits, question):
     return wanted, refused
 
 
-def fold_runs(problem, names, folds):
+def fold_runs(
+    problem: Recalibration, names: Mapping[str, str], folds: "Sequence[Experiment]"
+) -> "tuple[Wanted, dict[Label, CaseError]]":
     """Runs of the models calibrated without each experiment in turn, and why others cannot be.
 
     Returns
@@ -159,25 +175,29 @@ def fold_runs(problem, names, folds):
     return wanted, refused
 
 
-def without(model, experiment):
+def without(model: str, experiment: "Experiment") -> "Label":
     """Label of the run of an experiment with a model calibrated without it."""
     return f"{model} without", None, experiment.name
 
 
-def fitted_group(problem, reading, fits):
+def fitted_group(problem: Recalibration, reading: Reading, fits: Mapping[str, Refit]) -> Group:
     """The `Group` of the experiments that were fitted."""
     shifts, covariance = problem.after_controls(fits)
     simulated = simulated_by(reading, fits, reading.failures)
     return Group(reading.points, problem.library.cases, shifts, covariance, simulated)
 
 
-def simulated_by(reading, models, failures):
+def simulated_by(
+    reading: Reading, models: Iterable[str], failures: "Failures"
+) -> dict[str, np.ndarray]:
     """{model: values on the points} of the models of which no run failed."""
     broken = {model for model, _, name in failures if name in reading.parts}
     return {model: reading.vector(model, None) for model in models if model not in broken}
 
 
-def left_out_values(reading, folds, names):
+def left_out_values(
+    reading: Reading, folds: "Sequence[Experiment]", names: Collection[str]
+) -> dict[str, dict[str, np.ndarray]]:
     """{experiment: {model: values on its points}} of the models calibrated without it."""
     return {
         experiment.name: {
@@ -191,7 +211,12 @@ def left_out_values(reading, folds, names):
     }
 
 
-def held_out_group(question, seen, failures, fits):
+def held_out_group(
+    question: "Question",
+    seen: "Mapping[Label, Observations]",
+    failures: "Failures",
+    fits: Collection[str],
+) -> Group:
     """The `Group` of the experiments that were held out."""
     points = question.held_out_points
     reading = Reading(points, seen, failures)
@@ -204,19 +229,21 @@ def held_out_group(question, seen, failures, fits):
     return Group(points, question.held_out_cases, shifts, covariance, simulated)
 
 
-def fold_fractions(ladder):
+def fold_fractions(ladder: Ladder) -> dict[tuple[str, bool], dict[str, float]]:
     """{(experiment, held out): {model: fraction closed}} of all experiments that took no part."""
     return by_fold(ladder, one_fraction)
 
 
-def fold_remainders(ladder):
+def fold_remainders(ladder: Ladder) -> dict[tuple[str, bool], dict[str, float]]:
     """{(experiment, held out): {model: gap that is left}} of all experiments that took no part; see `remaining`."""
     return by_fold(ladder, remaining)
 
 
-def by_fold(ladder, measure):
+def by_fold(
+    ladder: Ladder, measure: Callable[[Group, slice, str], float]
+) -> dict[tuple[str, bool], dict[str, float]]:
     """{(experiment, held out): {model: measure(group, rows, model)}} of all experiments that took no part."""
-    measured = {}
+    measured: dict[tuple[str, bool], dict[str, float]] = {}
     for name, values in ladder.left_out.items():
         rows = ladder.fitted.points.of(name)
         measured[name, False] = {}

@@ -1,8 +1,9 @@
 """Levels of the effects: the quantiles of their priors at which they are run, closure by closure."""
 
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from math import inf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,12 @@ from fvcollapse.diagnosis.stated_priors import priors_of
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import CaseError, InputError
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.runner import Wanted
+    from fvcollapse.effects.effect import Prior
+    from fvcollapse.measure.experiment import Experiment
 
 LEVELS_1D = (0.05, 0.35, 0.65, 0.95)
 KEPT = 16384  # cases
@@ -26,25 +33,25 @@ class Closure(NamedTuple):
     """
 
     effect: str
-    parameters: tuple
-    keys: dict
-    priors: dict
+    parameters: tuple[str, ...]
+    keys: dict[str, Any]
+    priors: "dict[str, Prior]"
 
-    def values(self, u):
+    def values(self, u: np.ndarray) -> dict[str, float]:
         """{parameter: value} at the quantiles u (d,)."""
         pairs = zip(self.parameters, np.atleast_1d(u), strict=True)
         return {name: float(self.priors[name].distribution().ppf(share)) for name, share in pairs}
 
-    def section(self, u):
+    def section(self, u: np.ndarray) -> dict[str, Any]:
         """The keys of `[effects.<name>]` at the quantiles u."""
         return self.keys | self.values(u)
 
-    def levels(self):
+    def levels(self) -> np.ndarray:
         """The quantiles (m, d) at which the effect is run."""
         return design(len(self.parameters))
 
 
-def closures_of(name, experiments=()):
+def closures_of(name: str, experiments: "Sequence[Experiment]" = ()) -> tuple[Closure, ...]:
     """The closures of an effect of the catalogue, with what the experiments that are diagnosed state of it."""
     effect, priors = CATALOGUE[name], priors_of(name, experiments)
     return tuple(
@@ -58,7 +65,7 @@ def closures_of(name, experiments=()):
     )
 
 
-def design(dimension):
+def design(dimension: int) -> np.ndarray:
     """Points (m, d) that fill the unit cube: four levels, or an additive recurrence (Roberts 2018)."""
     if dimension == 1:
         return np.array(LEVELS_1D)[:, None]
@@ -73,7 +80,9 @@ def design(dimension):
     return low + (high - low) * points
 
 
-def applicable_effects(cases, names=None):
+def applicable_effects(
+    cases: "Mapping[str, Case]", names: Sequence[str] | None = None
+) -> tuple[list[str], dict[str, str]]:
     """(names of the effects to compare, {name: why not} of the others).
 
     Parameters
@@ -105,12 +114,16 @@ def applicable_effects(cases, names=None):
     return chosen, left_out
 
 
-def acts_in(name, case):
+def acts_in(name: str, case: "Case") -> bool:
     """Whether an effect can act in the set-up of a case."""
     return not CATALOGUE[name].needs_walls or case.geometry.channel_width < inf
 
 
-def effect_runs(closures, experiments, cases):
+def effect_runs(
+    closures: Mapping[str, Sequence[Closure]],
+    experiments: "Sequence[Experiment]",
+    cases: "Mapping[str, Case]",
+) -> "tuple[Wanted, dict[str, str]]":
     """Runs of all levels of the effects, and why the others cannot be.
 
     Returns
@@ -118,9 +131,9 @@ def effect_runs(closures, experiments, cases):
     (dict, dict)
         {label: (experiment, case)}, and {effect: reason} of those that a case cannot have.
     """
-    wanted, refused = {}, {}
+    wanted, refused = {}, {}  # type: ignore[var-annotated]
     for name, variants in closures.items():
-        levels = {}
+        levels: Wanted = {}
         try:
             for experiment in experiments:
                 if acts_in(name, cases[experiment.name]):
@@ -133,14 +146,14 @@ def effect_runs(closures, experiments, cases):
 
 
 @lru_cache(maxsize=KEPT)
-def with_effect(case, effect, keys):
+def with_effect(case: "Case", effect: str, keys: tuple[tuple[str, Any], ...]) -> "Case":
     """The case with an effect of these `keys` (pairs); kept, for many diagnoses have the same set-ups."""
     return case.replace(**{f"effects.{effect}": dict(keys)})
 
 
-def level_cases(closures, experiment, case):
+def level_cases(closures: Sequence[Closure], experiment: "Experiment", case: "Case") -> "Wanted":
     """{label: (experiment, case)} of an effect at all levels of its closures, and at one on the finer grid."""
-    found = {}
+    found: Wanted = {}
     for number, closure in enumerate(closures):
         key = closure.effect, number
         levels = [
@@ -149,7 +162,7 @@ def level_cases(closures, experiment, case):
         ]
         fine = refined(levels[reference_level(closure.levels())])
         for level, each in (*enumerate(levels), ("fine", fine)):
-            names = labels(closure.effect, level)
-            for number, one in zip(names, realisations(closure.effect, each), strict=True):
+            names = labels(closure.effect, level)  # type: ignore[arg-type]
+            for number, one in zip(names, realisations(closure.effect, each), strict=True):  # type: ignore[assignment]
                 found[key, number, experiment.name] = (experiment, one)
     return found

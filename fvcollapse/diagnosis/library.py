@@ -8,8 +8,10 @@ only their differences to the baseline there are used, on top of the baseline on
 effects after the correction that one level of each on both grids shows (`grid_correction`).
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +23,16 @@ from fvcollapse.diagnosis.nuisances import CALIBRATED, draw, ensemble_runs, nuis
 from fvcollapse.diagnosis.points import Points
 from fvcollapse.diagnosis.progress import FURTHER, LIBRARY
 from fvcollapse.diagnosis.reading import Reading, measured_responses
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.grid_correction import GridCorrection
+    from fvcollapse.diagnosis.levels import Closure
+    from fvcollapse.diagnosis.nuisances import Nuisance
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.diagnosis.runner import Runner, Wanted
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
 
 DRAWS = 20  # of the ensemble
 
@@ -60,34 +72,36 @@ class Library:
     """
 
     points: Points
-    experiments: tuple
-    cases: dict
+    experiments: "tuple[Experiment, ...]"
+    cases: "dict[str, Case]"
     coarse: np.ndarray
     fine: np.ndarray
-    seen: dict
-    quantities: tuple
+    seen: "dict[str, Observations]"
+    quantities: "tuple[Nuisance, ...]"
     draws: np.ndarray
     samples: np.ndarray
-    closures: dict
-    responses: dict
-    corrections: dict
-    left_out: dict
-    everywhere: dict
+    closures: "dict[str, tuple[Closure, ...]]"
+    responses: dict[str, list[Response]]
+    corrections: "dict[tuple[str, int], GridCorrection]"
+    left_out: dict[str, str]
+    everywhere: dict[str, np.ndarray]
 
     @cached_property
-    def sensitivities(self):
+    def sensitivities(self) -> np.ndarray:
         """Change of the simulated values per standard deviation of each quantity, (n, N)."""
         return sensitivities(self)
 
     @cached_property
-    def set_up_covariance(self):
+    def set_up_covariance(self) -> np.ndarray:
         """Part of Sigma_nu that comes from the set-up and not from the material, (N, N)."""
         from_set_up = [quantity.key not in CALIBRATED for quantity in self.quantities]
         slopes = self.sensitivities[from_set_up]
         return slopes.T @ slopes
 
 
-def build_library(question, runner, effects=None, draws=DRAWS):
+def build_library(
+    question: "Question", runner: "Runner", effects: Sequence[str] | None = None, draws: int = DRAWS
+) -> Library:
     """Run what is missing and read everything on the points.
 
     Parameters
@@ -136,7 +150,9 @@ def build_library(question, runner, effects=None, draws=DRAWS):
     )
 
 
-def only_in(points, experiments, responses):
+def only_in(
+    points: Points, experiments: "Sequence[Experiment]", responses: Mapping[str, Sequence[Response]]
+) -> dict[str, list[Response]]:
     """The responses of effects that act in some experiments only."""
     inside = np.isin(points.experiment, [one.name for one in experiments])
     return {
@@ -148,7 +164,7 @@ def only_in(points, experiments, responses):
     }
 
 
-def changes_of(responses):
+def changes_of(responses: Mapping[str, Sequence[Response]]) -> dict[str, np.ndarray]:
     """{effect: (m, N) changes at all levels of its closures, over the root of m}."""
     every = {
         name: np.vstack([each.differences for each in variants])
@@ -157,7 +173,9 @@ def changes_of(responses):
     return {name: rows / np.sqrt(len(rows)) for name, rows in every.items()}
 
 
-def chosen_closures(question, effects):
+def chosen_closures(
+    question: "Question", effects: Sequence[str] | None
+) -> "tuple[dict[str, tuple[Closure, ...]], dict[str, str]]":
     """({effect: its `Closure`s}, {effect: why it is not compared}) of a question."""
     cases = {
         experiment.name: question.cases[experiment.name] for experiment in question.experiments
@@ -166,13 +184,17 @@ def chosen_closures(question, effects):
     return {name: closures_of(name, question.experiments) for name in chosen}, inapplicable
 
 
-def baseline_runs(experiments, cases):
+def baseline_runs(experiments: "Sequence[Experiment]", cases: "Mapping[str, Case]") -> "Wanted":
     """{label: (experiment, case)} of the baseline on both grids, the finer first."""
-    fine = {("fine", None, one.name): (one, refined(cases[one.name])) for one in experiments}
+    fine: Wanted = {
+        ("fine", None, one.name): (one, refined(cases[one.name])) for one in experiments
+    }
     return fine | {("coarse", None, one.name): (one, cases[one.name]) for one in experiments}
 
 
-def add_levels(library, wanted, runner):
+def add_levels(
+    library: Library, wanted: Sequence[tuple[str, int, np.ndarray]], runner: "Runner"
+) -> Library:
     """The library with further levels of some closures; one whose run fails stays as it is.
 
     Parameters
@@ -199,9 +221,9 @@ def add_levels(library, wanted, runner):
     return replace(library, responses=responses)
 
 
-def further_runs(library, wanted):
+def further_runs(library: Library, wanted: Sequence[tuple[str, int, np.ndarray]]) -> "Wanted":
     """{label: (experiment, case)} of further levels, `wanted` as for `add_levels`."""
-    runs = {}
+    runs: Wanted = {}
     for effect, number, u in wanted:
         section = library.closures[effect][number].section(u)
         for experiment in library.experiments:

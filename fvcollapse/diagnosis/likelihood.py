@@ -6,7 +6,7 @@ Everything that does not depend on the gap is whitened once (`Whitened`) and ser
 upper or lower) contributes the probability, given all values, that it holds.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
@@ -14,12 +14,16 @@ from scipy.stats import chi2
 
 from fvcollapse.diagnosis.orthant import log_probability_positive
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.emulator import Response
+    from fvcollapse.diagnosis.evidence import ModelComparison
+
 
 class ResponseColumns(NamedTuple):
     """One closure of an effect (or of two) among all columns that are whitened."""
 
-    variant: tuple
-    responses: tuple
+    variant: tuple[int, ...]
+    responses: "tuple[Response, ...]"
     levels: np.ndarray  # columns of the differences
     errors: np.ndarray  # and of the errors of the emulator
 
@@ -27,7 +31,11 @@ class ResponseColumns(NamedTuple):
 class Whitened:
     """All columns multiplied by the inverse Cholesky factor of C(s), and their products."""
 
-    def __init__(self, comparison, sigma):
+    if TYPE_CHECKING:
+        span: np.ndarray | None
+        factors: dict[bytes, np.ndarray]
+
+    def __init__(self, comparison: "ModelComparison", sigma: float) -> None:
         values, bounds = comparison.values, comparison.bounds
         self.values, self.bounds, self.side = values, bounds, comparison.side
         self.full = comparison.covariance + sigma**2 * comparison.kernel
@@ -41,15 +49,17 @@ class Whitened:
         self.span, self.factors = None, {}
         self.stacks = comparison.stacks
 
-    def solve(self, columns):
+    def solve(self, columns: np.ndarray) -> np.ndarray:
         """Inverse Cholesky factor times columns."""
         return solve_triangular(self.factor, columns, lower=True, check_finite=False)
 
-    def see(self, gap):
+    def see(self, gap: np.ndarray) -> "Seen":
         """The gap whitened in the same way."""
         return Seen(self, gap)
 
-    def chi_square_p(self, residual, errors, mask):
+    def chi_square_p(
+        self, residual: np.ndarray, errors: np.ndarray | None, mask: np.ndarray
+    ) -> float:
         """Probability of a larger chi-square of the masked points; 1 where there is none.
 
         `errors` (m, N), whose squares are added to the covariance, may be None.
@@ -70,7 +80,7 @@ class Whitened:
         square -= met @ np.linalg.solve(np.eye(len(met)) + spread, met)
         return float(chi2.sf(square, len(rows)))
 
-    def basis(self):
+    def basis(self) -> np.ndarray:
         """Orthonormal basis of the whitened columns; computed once."""
         if self.span is None:
             if 0 in self.columns.shape:  # no effects, or nothing but bounds was measured
@@ -80,7 +90,7 @@ class Whitened:
         return self.span
 
 
-def span_of(columns):
+def span_of(columns: np.ndarray) -> np.ndarray:
     """Orthonormal basis (n, rank) of the span of columns (n, m).
 
     By a pivoted QR: the iteration for singular values failed on columns of very different size.
@@ -93,7 +103,7 @@ def span_of(columns):
 class Seen:
     """A gap through the eyes of one C(s)."""
 
-    def __init__(self, whitened, gap):
+    def __init__(self, whitened: Whitened, gap: np.ndarray) -> None:
         self.whitened = whitened
         self.gap = whitened.solve(gap[whitened.values])
         self.bound_gap = gap[whitened.bounds]
@@ -101,7 +111,7 @@ class Seen:
         self.constant = len(self.gap) * np.log(2.0 * np.pi) + whitened.log_determinant
         self.projections = whitened.columns.T @ self.gap
 
-    def log_likelihood(self):
+    def log_likelihood(self) -> float:
         """Log-likelihood without an effect."""
         own = self.whitened
         expected = own.coupling @ self.gap
@@ -110,7 +120,7 @@ class Seen:
             log_probability_positive(beyond[None], own.bound_covariance[None], own.side)[0]
         )
 
-    def outside(self, difference):
+    def outside(self, difference: np.ndarray) -> float:
         """Mean square of the whitened residual outside the span of all responses."""
         basis = self.whitened.basis()
         residual = self.gap + self.whitened.solve(difference[self.whitened.values])
@@ -118,7 +128,7 @@ class Seen:
         return float(rest @ rest / max(len(rest) - basis.shape[1], 1))
 
 
-def joined(first, second):
+def joined(first: ResponseColumns, second: ResponseColumns) -> ResponseColumns:
     """The closure of two effects together."""
     return ResponseColumns(
         first.variant + second.variant,
@@ -128,7 +138,7 @@ def joined(first, second):
     )
 
 
-def level_weights(closure, u):
+def level_weights(closure: ResponseColumns, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Weights (q, n) of the levels of a closure and variance (q,) of its errors.
 
     Of two effects the larger variance holds for the errors of both.
@@ -142,7 +152,7 @@ def level_weights(closure, u):
     return np.hstack(weights), np.max(variances, axis=0)
 
 
-def response_at(closure, u):
+def response_at(closure: ResponseColumns, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Difference (N,) and errors (m, N), whose squares sum to their covariance, at u (d,)."""
     weights, variance = level_weights(closure, u[None])
     levels = np.vstack([each.differences for each in closure.responses])

@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def log_sum_exp(values, axis=None):
+def log_sum_exp(values: np.ndarray, axis: int | None = None) -> np.ndarray | float:
     """Logarithm of the sum of exp(values) along an axis (None: of all), without overflow.
 
     Parameters

@@ -18,12 +18,21 @@ Bartlett (1935), J. R. Stat. Soc. 98, 536 (variance where neighbours in time are
 Biometrika 41, 403 (bias of a correlation in short series).
 """
 
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.integrate import trapezoid
 
 from fvcollapse.diagnosis.names import UNKNOWN, effects_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from fvcollapse.case.case import Case
+    from fvcollapse.case.sections import Geometry
+    from fvcollapse.measure.curves import Curve
+    from fvcollapse.measure.experiment import Experiment
 
 # standard deviations of (shift, stretch)
 UNMEASURED = (0.05, 0.10)  # V that was not measured; it may come at once or as the grains move
@@ -55,14 +64,14 @@ class MassBalance(NamedTuple):
     mean: np.ndarray
     covariance: np.ndarray
 
-    def log_odds(self, spread):
+    def log_odds(self, spread: "ArrayLike") -> float:
         """Logarithm of the density of `mean` if it scatters by `spread` (2,) more, over that if it does not."""
         wide = self.covariance + np.diag(np.square(spread))
         precision, wide_precision = np.linalg.inv(self.covariance), np.linalg.inv(wide)
         gain = self.mean @ (precision - wide_precision) @ self.mean
         return 0.5 * float(gain - np.linalg.slogdet(wide @ precision)[1])
 
-    def logit(self, name):
+    def logit(self, name: str) -> float:
         """Logarithm of the odds that a hypothesis gives to the balance, over one that conserves what is in view.
 
         Of the view it is never negative (see above). That column or bed may be misstated bounds it.
@@ -77,7 +86,9 @@ class MassBalance(NamedTuple):
         return max(found, 0.0) if part == VIEW_EFFECT else found
 
 
-def mass_balance(experiments, cases):
+def mass_balance(
+    experiments: "Sequence[Experiment]", cases: "Mapping[str, Case]"
+) -> MassBalance | None:
     """The `MassBalance` of all experiments together; None if none of them tells.
 
     The column of each is its own; how the pictures were taken is common to them.
@@ -88,7 +99,10 @@ def mass_balance(experiments, cases):
     cases : dict
         Name of each experiment -> `Case`: the initial column.
     """
-    found = [balance_of(one, cases[one.name].geometry) for one in experiments]
+    found: list[tuple[MassBalance, np.ndarray]] = [
+        balance_of(one, cases[one.name].geometry)  # type: ignore[misc]
+        for one in experiments
+    ]
     found = [each for each in found if each is not None]
     if not found:
         return None
@@ -99,7 +113,9 @@ def mass_balance(experiments, cases):
     return MassBalance(mean, covariance + np.diag(shared))
 
 
-def balance_of(experiment, geometry):
+def balance_of(
+    experiment: "Experiment", geometry: "Geometry"
+) -> tuple[MassBalance, np.ndarray] | None:
     """(`MassBalance` with the errors of one experiment alone, variances (2,) of those that all share).
 
     None without ten profiles of different reach that show all grains.
@@ -127,7 +143,7 @@ def balance_of(experiment, geometry):
     return MassBalance(mean, covariance), np.array([shift, 0.0]) + np.square(RIM) + zero**2
 
 
-def column_area(geometry):
+def column_area(geometry: "Geometry") -> float:
     """Area of the initial column, m2."""
     if not geometry.polygon:
         return geometry.height_0 * geometry.length_0
@@ -135,13 +151,13 @@ def column_area(geometry):
     return 0.5 * abs(x @ np.roll(z, -1) - z @ np.roll(x, -1))
 
 
-def volume_of(experiment):
+def volume_of(experiment: "Experiment") -> "Curve | None":
     """The measured relative change of volume; None if there is none, or if it does not begin near zero."""
     volume = experiment.curves.get("volume")
     return volume if volume is not None and abs(volume.value[0]) < VOLUME_MOST else None
 
 
-def end_of_pile(experiment, geometry):
+def end_of_pile(experiment: "Experiment", geometry: "Geometry") -> np.ndarray:
     """Place at the time of every measured thickness beyond which there is nothing but the bed, (n,)."""
     time, front = experiment.curves["profiles"].time, experiment.curves.get("front")
     if front is None:
@@ -150,7 +166,7 @@ def end_of_pile(experiment, geometry):
     return np.interp(time, front.time, farthest) + AHEAD * geometry.length_0
 
 
-def error_of_zero(experiment, geometry):
+def error_of_zero(experiment: "Experiment", geometry: "Geometry") -> float:
     """Standard deviation of the zero of the heights, m: what is measured where nothing but the bed is.
 
     It is not taken off: of errors that are cut at zero the mean is positive too.
@@ -164,7 +180,9 @@ def error_of_zero(experiment, geometry):
     return max(float(np.sqrt(np.mean(np.polyval(bed, profiles.x) ** 2))), ZERO)
 
 
-def frames_of(experiment, geometry, volume):
+def frames_of(
+    experiment: "Experiment", geometry: "Geometry", volume: "Curve | None"
+) -> Iterator[tuple[float, float, float]]:
     """(B, phi, end of the pile [m]) of every profile that shows all grains while or after they move."""
     time, x, h, sigma = experiment.curves["profiles"]
     end = end_of_pile(experiment, geometry)
@@ -188,14 +206,14 @@ def frames_of(experiment, geometry, volume):
             yield area / (column_area(geometry) * swollen) - 1.0, beyond, place[-1]
 
 
-def area_beyond(x, thickness, gate):
+def area_beyond(x: np.ndarray, thickness: np.ndarray, gate: float) -> float:
     """Area under a profile beyond the gate."""
     further = x > gate
     at_gate = np.interp(gate, x, thickness)
     return trapezoid(np.append(at_gate, thickness[further]), np.append(gate, x[further]))
 
 
-def inflation(rest):
+def inflation(rest: np.ndarray) -> float:
     """Factor of the variance of a mean over residuals that follow one another in time."""
     square = float(rest @ rest)
     found = float(rest[1:] @ rest[:-1]) / square if square > 0.0 else 0.0

@@ -5,7 +5,7 @@ EFFECT, SEVERAL = "effect", "several"
 NAMED = (EFFECT, SEVERAL)
 
 
-def effects_of(hypothesis):
+def effects_of(hypothesis: str) -> tuple[str, ...]:
     """Effects of a hypothesis: one, or two that are joined by "+"; () of "none" and "unknown"."""
     return () if hypothesis in (NONE, UNKNOWN) else tuple(hypothesis.split("+"))
 

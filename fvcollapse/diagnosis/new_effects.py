@@ -15,12 +15,17 @@ smallest set of hypotheses that holds a probability of `level`; it has no confor
 together count as new if one of them is.
 """
 
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.names import effects_of
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence
 
-def new_hypotheses(evidence, classes):
+
+def new_hypotheses(evidence: "Evidence", classes: Iterable[str]) -> tuple[str, ...]:
     """Names of the hypotheses with an effect that is no class of a layer.
 
     Parameters
@@ -35,20 +40,22 @@ def new_hypotheses(evidence, classes):
     )
 
 
-def without(evidence, names):
+def without(evidence: "Evidence", names: Container[str]) -> "Evidence":
     """The `Evidence` without some hypotheses."""
     hypotheses = {name: each for name, each in evidence.hypotheses.items() if name not in names}
     return replace(evidence, hypotheses=hypotheses)
 
 
-def merged(evidence, known):
+def merged(evidence: "Evidence", known: "Evidence") -> "Evidence":
     """The `Evidence` with the pairs that only another one opened, in the order of evidence x prior odds."""
     every = known.hypotheses | evidence.hypotheses
     ranked = sorted(every.values(), key=lambda each: -(each.log_evidence + each.log_prior))
     return replace(evidence, hypotheses={each.name: each for each in ranked})
 
 
-def with_new(probability, tempered, new, cap):
+def with_new(
+    probability: dict[str, float], tempered: Mapping[str, float], new: Iterable[str], cap: float
+) -> dict[str, float]:
     """{hypothesis: probability} of all.
 
     Parameters
@@ -73,7 +80,7 @@ def with_new(probability, tempered, new, cap):
     }
 
 
-def smallest_set(probability, level):
+def smallest_set(probability: Mapping[str, float], level: float) -> tuple[str, ...]:
     """The most probable hypotheses that together hold a probability of `level`; the first is the most probable."""
     names, total = [], 0.0
     for name in sorted(probability, key=lambda name: -probability[name]):

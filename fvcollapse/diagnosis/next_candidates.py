@@ -2,13 +2,16 @@
 
 from math import inf
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 import numpy as np
 
 from fvcollapse.measure.experiment import Experiment
 from fvcollapse.measure.quantities import CURVES
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 SLOPES = (-6.0, 6.0)  # deg, from the slope that was measured
 SLOPE_RANGE = (0.0, 24.0)
@@ -24,12 +27,12 @@ class Candidate(NamedTuple):
     """
 
     reference: str
-    changes: dict
-    observables: tuple
-    added: tuple = ()
+    changes: dict[str, float]
+    observables: tuple[str, ...]
+    added: tuple[str, ...] = ()
 
 
-def candidates(reference, base):
+def candidates(reference: Experiment, base: "Case") -> list[Candidate]:
     """The `Candidate`s around an experiment.
 
     Parameters
@@ -47,7 +50,7 @@ def candidates(reference, base):
     return planned
 
 
-def set_up_changes(base):
+def set_up_changes(base: "Case") -> list[dict[str, float]]:
     """Changes of the set-up of a case, {key: value} each: slopes, widths, the gate, the height."""
     geometry = base.geometry
     changes = []
@@ -64,7 +67,7 @@ def set_up_changes(base):
     return [*changes, {"geometry.height_0": HEIGHT * geometry.height_0}]
 
 
-def set_up(reference, candidate):
+def set_up(reference: Experiment, candidate: Candidate) -> Experiment:
     """The `Experiment` of a candidate, without any measurement yet."""
     settings = reference.settings
     for path, value in candidate.changes.items():

@@ -16,8 +16,9 @@ References
 Box & Hill (1967), Technometrics 9, 57; Meyer, Steinberg & Box (1996), Technometrics 38, 303.
 """
 
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -38,6 +39,14 @@ from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.align import align_curve
 from fvcollapse.measure.curves import Curve
 from fvcollapse.measure.quantities import CURVES
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.nuisances import Nuisance
+    from fvcollapse.diagnosis.runner import Runner
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
 
 MOST_HYPOTHESES = 3
 LEAST_PROBABILITY = 0.02  # of a hypothesis that is worth separating
@@ -66,13 +75,15 @@ class Choice(NamedTuple):
     """
 
     candidate: Candidate
-    separates: tuple
+    separates: tuple[str, str]
     gain: float
     utility: float
     repeats: int | None
 
 
-def choices(analysis, probability, runner):
+def choices(
+    analysis: "Analysis", probability: Mapping[str, float], runner: "Runner"
+) -> list[Choice]:
     """The candidates as `Choice`s, the best first; empty where nothing is left to separate.
 
     Parameters
@@ -110,7 +121,7 @@ def choices(analysis, probability, runner):
     return found
 
 
-def leading(probability, responses):
+def leading(probability: Mapping[str, float], responses: Container[str]) -> dict[str, float]:
     """{name: probability} of the hypotheses that can be run, at most three, summing to 1."""
     able = {
         name: value
@@ -123,7 +134,7 @@ def leading(probability, responses):
     return {name: able[name] / total for name in best}
 
 
-def reference_experiment(analysis):
+def reference_experiment(analysis: "Analysis") -> "Experiment":
     """The experiment with the largest gap in combined standard uncertainties."""
     z = analysis.gap_map.z
     return max(
@@ -131,7 +142,7 @@ def reference_experiment(analysis):
     )
 
 
-def mu_1_of(analysis, reference):
+def mu_1_of(analysis: "Analysis", reference: "Experiment") -> "Nuisance | None":
     """The `Nuisance` mu_1 of an experiment under any name; None if it is not calibrated."""
     for quantity in analysis.library.quantities:
         if quantity.key == "rheology.mu_1" and reference.name in quantity.experiments:
@@ -139,7 +150,7 @@ def mu_1_of(analysis, reference):
     return None
 
 
-def with_hypothesis(case, analysis, name):
+def with_hypothesis(case: "Case", analysis: "Analysis", name: str) -> "Case":
     """The case with the effects of a hypothesis at the level of the library nearest to their values."""
     changes, first = {}, 0
     hypothesis = analysis.evidence.hypotheses.get(name)
@@ -161,7 +172,13 @@ def with_hypothesis(case, analysis, name):
 # -- what a candidate promises --------------------------------------------------------------------
 
 
-def judge(analysis, candidate, experiment, seen, hypotheses):
+def judge(
+    analysis: "Analysis",
+    candidate: Candidate,
+    experiment: "Experiment",
+    seen: "Mapping[str, Observations]",
+    hypotheses: Mapping[str, float],
+) -> Choice:
     """The `Choice` of a candidate from its simulated outcomes."""
     end = min(
         float(each.front[-1, 0]) for each in seen.values()
@@ -197,13 +214,13 @@ def judge(analysis, candidate, experiment, seen, hypotheses):
     )
 
 
-def whitened(means, covariance):
+def whitened(means: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Means (K, N) multiplied by the inverse Cholesky factor."""
     factor = cholesky(covariance, lower=True, check_finite=False)
     return solve_triangular(factor, means.T, lower=True, check_finite=False).T
 
 
-def strength_spread(analysis, name):
+def strength_spread(analysis: "Analysis", name: str) -> float:
     """Relative standard deviation of the strength of a hypothesis, given the data; 0 for none."""
     hypothesis = analysis.evidence.hypotheses.get(name)
     if hypothesis is None or not len(hypothesis.u):
@@ -223,7 +240,9 @@ def strength_spread(analysis, name):
     return min(1.0, float(np.linalg.norm(white[:-1]) / (3.29 * size))) if size else 0.0
 
 
-def with_readings(experiment, observables, observed, end):
+def with_readings(
+    experiment: "Experiment", observables: Sequence[str], observed: "Observations", end: float
+) -> "Experiment":
     """The experiment with what would be read: the baseline, at every frame up to `end` (s) and place."""
     frames = np.arange(FRAME, end, FRAME)
     places = np.arange(0.5 * PLACE, 1.1 * float(observed.front[:, 1].max()), PLACE)
@@ -240,7 +259,7 @@ def with_readings(experiment, observables, observed, end):
     return read
 
 
-def expected_gain(white, chance, rng):
+def expected_gain(white: np.ndarray, chance: np.ndarray, rng: np.random.Generator) -> float:
     """Expected drop of the entropy of the probabilities by one outcome [bit].
 
     Parameters
@@ -261,13 +280,13 @@ def expected_gain(white, chance, rng):
     return max(0.0, float(drop))
 
 
-def entropy(chance):
+def entropy(chance: np.ndarray) -> np.ndarray | np.float64:
     """Entropy of probabilities along the last axis [bit]."""
     logs = np.log2(chance, out=np.zeros_like(chance), where=chance > 0.0)
     return -(chance * logs).sum(axis=-1)
 
 
-def repeats(difference, measurement, shared):
+def repeats(difference: np.ndarray, measurement: np.ndarray, shared: np.ndarray) -> int | None:
     """Number of experiments whose mean reaches the wanted Bayes factor; None: more than 20."""
     for count in range(1, MOST_REPEATS + 1):
         white = whitened(difference[None], measurement / count + shared)[0]

@@ -6,12 +6,16 @@ is a quadratic form of the weights w of the levels. What does not depend on the 
 (`Stack`), and once for nodes that come again with every gap (`Terms`).
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fvcollapse.diagnosis.likelihood import level_weights
 from fvcollapse.diagnosis.orthant import log_probability_positive
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.likelihood import ResponseColumns, Seen, Whitened
 
 
 class Terms(NamedTuple):
@@ -45,9 +49,9 @@ class Stack:
     closure : ResponseColumns
     """
 
-    def __init__(self, whitened, closure):
+    def __init__(self, whitened: "Sequence[Whitened]", closure: "ResponseColumns") -> None:
         levels, errors = closure.levels, closure.errors
-        self.closure, self.whitened, self.remembered = closure, whitened, {}
+        self.closure, self.whitened, self.remembered = closure, whitened, {}  # type: ignore[var-annotated]
         products = np.array([own.products for own in whitened])
         sizes, self.turn = np.linalg.eigh(products[:, errors[:, None], errors])
         self.sizes = np.maximum(sizes, 0.0)
@@ -59,7 +63,7 @@ class Stack:
             if len(own.bounds)
         ]
 
-    def terms(self, nodes):
+    def terms(self, nodes: np.ndarray) -> Terms:
         """The `Terms` of nodes (q, d); those of nodes that cannot be written to are remembered."""
         found = self.remembered.get(id(nodes))
         if found is not None:
@@ -73,7 +77,7 @@ class Stack:
             self.remembered[id(nodes)] = found
         return found
 
-    def log_likelihood(self, seen, nodes):
+    def log_likelihood(self, seen: "Sequence[Seen]", nodes: np.ndarray) -> np.ndarray:
         """Log-likelihood of a gap, seen by each C(s), at nodes (q, d): (q, S)."""
         terms = self.terms(nodes)
         closure, weights = self.closure, terms.weights
@@ -103,7 +107,7 @@ class BoundColumns:
         Eigenbasis of the errors of the emulator.
     """
 
-    def __init__(self, whitened, closure, turn):
+    def __init__(self, whitened: "Whitened", closure: "ResponseColumns", turn: np.ndarray) -> None:
         levels, errors = closure.levels, closure.errors
         error_columns = whitened.columns[:, errors] @ turn
         self.errors = whitened.bound_columns[:, errors] @ turn - whitened.coupling @ error_columns
@@ -111,7 +115,9 @@ class BoundColumns:
         self.levels = whitened.bound_columns[:, levels].T
         self.expected = (whitened.coupling @ whitened.columns[:, levels]).T
 
-    def log_probability(self, seen, weights, met, shrunk):
+    def log_probability(
+        self, seen: "Seen", weights: np.ndarray, met: np.ndarray, shrunk: np.ndarray
+    ) -> np.ndarray:
         """Logarithm of the probability that the bounds hold, (q,): mean and covariance of what they miss."""
         own = seen.whitened
         residual = seen.bound_gap + weights @ self.levels
@@ -122,7 +128,7 @@ class BoundColumns:
         return log_probability_positive(own.side * (expected - residual), spread, own.side)
 
 
-def stack_of(seen, closure):
+def stack_of(seen: "Sequence[Seen]", closure: "ResponseColumns") -> Stack:
     """The `Stack` of a closure for some `Seen` of the same comparison; made once."""
     stacks = seen[0].whitened.stacks
     key = (

@@ -1,13 +1,19 @@
 """Calibrated parameters and set-up: what is known within a standard deviation, and draws of it."""
 
 import zlib
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.stats import norm
 
 from fvcollapse.errors import CaseError, NumericalError
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.runner import Failures, Wanted
+    from fvcollapse.measure.experiment import Experiment
 
 # case key: key of [uncertainty]. The first are of the material, one truth for all experiments of it
 CALIBRATED = {
@@ -37,13 +43,13 @@ class Nuisance(NamedTuple):
     """
 
     key: str
-    experiments: tuple
+    experiments: tuple[str, ...]
     mean: float
     sd: float
     design: str = ""
-    others: tuple = ()
+    others: tuple[tuple[float, float], ...] = ()
 
-    def value(self, z, experiment=None):
+    def value(self, z: float, experiment: str | None = None) -> float:
         """Value at z standard deviations in an experiment, default the first; positive quantities are lognormal."""
         mean, sd = self.mean, self.sd
         if self.others and experiment is not None:
@@ -52,16 +58,18 @@ class Nuisance(NamedTuple):
             return min(abs(mean + z * sd), SLOPE_MAX)
         return mean * float(np.exp(z * sd / mean))
 
-    def realised(self, z):
+    def realised(self, z: float) -> float:
         """The z that the value stands for: a slope is never negative."""
         if self.key == "geometry.slope_angle_deg":
             return (self.value(z) - self.mean) / self.sd
         return z
 
 
-def nuisances(experiments, cases):
+def nuisances(
+    experiments: "Sequence[Experiment]", cases: "Mapping[str, Case]"
+) -> tuple[Nuisance, ...]:
     """All `Nuisance`s of the experiments: shared where it is the same material, or a common error of the set-up."""
-    material, common, own = {}, {}, []
+    material, common, own = {}, {}, []  # type: ignore[var-annotated]
     for experiment in experiments:
         case = cases[experiment.name]
         for key, quantity in (CALIBRATED | SET_UP).items():
@@ -77,20 +85,20 @@ def nuisances(experiments, cases):
                 own.append(Nuisance(key, (experiment.name,), mean, sd, design_text(case)))
     grains = [Nuisance(key, tuple(names), *about) for (key, *about), names in material.items()]
     tank = [
-        Nuisance(key, tuple(about), *next(iter(about.values())), "common", tuple(about.values()))
+        Nuisance(key, tuple(about), *next(iter(about.values())), "common", tuple(about.values()))  # type: ignore[call-arg]
         for key, about in common.items()
     ]
     return (*grains, *tank, *own)
 
 
-def design_text(case):
+def design_text(case: "Case") -> str:
     """The set-up in a few numbers."""
     geometry = case.geometry
     numbers = (geometry.slope_angle_deg, geometry.height_0, geometry.length_0)
     return " ".join(f"{number:g}" for number in (*numbers, geometry.channel_width, case.gate.speed))
 
 
-def value_of(case, key):
+def value_of(case: "Case", key: str) -> float | None:
     """Value of a key that can be drawn; None where it is infinite, zero (but a slope) or has no effect."""
     section, _, name = key.partition(".")
     value = getattr(getattr(case, section), name)
@@ -99,13 +107,13 @@ def value_of(case, key):
     return value if value < inf and (value > 0.0 or name == "slope_angle_deg") else None
 
 
-def draw(quantities, count, seed=0):
+def draw(quantities: Sequence[Nuisance], count: int, seed: int = 0) -> np.ndarray:
     """Standard normal draws (count, n), a Latin hypercube.
 
     A column depends on its quantity and not on its neighbours: an experiment has the same runs alone and
     in company. Two of the same design have different errors.
     """
-    columns, seen = [], {}
+    columns, seen = [], {}  # type: ignore[var-annotated]
     for quantity in quantities:
         label = f"{quantity.key} {quantity.design}"
         number = seen[label] = seen.get(label, 0) + 1
@@ -114,7 +122,9 @@ def draw(quantities, count, seed=0):
     return np.column_stack(columns)
 
 
-def with_nuisances(case, name, quantities, z):
+def with_nuisances(
+    case: "Case", name: str, quantities: Sequence[Nuisance], z: Iterable[float]
+) -> "Case":
     """The case of an experiment with quantities z (n,) standard deviations off.
 
     A column of another size keeps its number of cells, so that the response is smooth.
@@ -136,7 +146,12 @@ def with_nuisances(case, name, quantities, z):
     return case.replace(**changes)
 
 
-def ensemble_runs(experiments, cases, quantities, z):
+def ensemble_runs(
+    experiments: "Sequence[Experiment]",
+    cases: "Mapping[str, Case]",
+    quantities: Sequence[Nuisance],
+    z: np.ndarray,
+) -> "tuple[Wanted, Failures]":
     """Runs of the draws z (m, n) of the quantities, and why the others cannot be.
 
     Returns
@@ -152,10 +167,10 @@ def ensemble_runs(experiments, cases, quantities, z):
                 wanted[label] = one, with_nuisances(cases[one.name], one.name, quantities, row)
             except CaseError as error:
                 refused[label] = NumericalError(f"{error.key} cannot be {error.found}")
-    return wanted, refused
+    return wanted, refused  # type: ignore[return-value]
 
 
-def realised(quantities, z):
+def realised(quantities: Sequence[Nuisance], z: np.ndarray) -> np.ndarray:
     """The draws (m, n) that the values stand for; see `Nuisance.realised`."""
     return np.array(
         [[one.realised(shift) for one, shift in zip(quantities, row, strict=True)] for row in z]

@@ -1,10 +1,16 @@
 """What is odd about the experiments themselves, said before anything is computed and again in the report."""
 
 import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from fvcollapse.measure.plausibility import oddities
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.measure.experiment import Experiment
 
 
 class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -27,14 +33,14 @@ class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     expected: str
     likely: str = ""
 
-    def line(self):
+    def line(self) -> str:
         """One line."""
         end = f"; {self.likely}" if self.likely else ""
         place = f"{self.experiment}/{self.file}: {self.key}"
         return f"{place}: found {self.found}; expected: {self.expected}{end}"
 
 
-def oddities_of(experiments):
+def oddities_of(experiments: "Iterable[Experiment]") -> list[Oddity]:
     """The `Oddity` list of some experiments."""
     return [
         Oddity(one.name, each.file, each.key, each.found, each.allowed, each.likely)
@@ -43,7 +49,7 @@ def oddities_of(experiments):
     ]
 
 
-def coarse_grid(question):
+def coarse_grid(question: "Question") -> list[Oddity]:
     """The `Oddity` list of the cells of a `Question` that are too coarse for calibrated probabilities."""
     return [
         Oddity(
@@ -58,7 +64,7 @@ def coarse_grid(question):
     ]
 
 
-def tell(warnings):
+def tell(warnings: Iterable[Oddity]) -> None:
     """Write each `Oddity` as one line to stderr."""
     for each in warnings:
         print(f"warning: {' '.join(each.line().split())}", file=sys.stderr)

@@ -11,7 +11,7 @@ LOG_SQRT_2_PI = 0.5 * math.log(2.0 * math.pi)
 
 
 @kernel_jit()
-def log_normal_tail(z):
+def log_normal_tail(z: float) -> float:
     """Logarithm of the standard normal distribution function."""
     if z > LOWEST:
         return math.log(0.5 * math.erfc(-z / math.sqrt(2.0)))
@@ -21,7 +21,9 @@ def log_normal_tail(z):
 
 
 @kernel_jit()
-def log_probability_positive(mean, covariance, side):
+def log_probability_positive(
+    mean: np.ndarray, covariance: np.ndarray, side: np.ndarray
+) -> np.ndarray:
     """Logarithm of P(side x > 0 for all components), (q,); exact for one, Mendell-Elston for more.
 
     One component after the other is taken to be positive, and the moments of the others are corrected

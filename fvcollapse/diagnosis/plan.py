@@ -1,6 +1,7 @@
 """The runs that a diagnosis would make, before any of them is made."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.analysis import REFINED, REFINEMENTS
 from fvcollapse.diagnosis.levels import effect_runs
@@ -13,6 +14,12 @@ from fvcollapse.measure.observation import flow_case
 from fvcollapse.studies.cache import EXTRACT, RunCache
 from fvcollapse.studies.cache_folder import default_folder
 from fvcollapse.studies.estimate import Plan, plan_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.question import Question
 
 
 class DiagnosisPlan(NamedTuple):
@@ -29,14 +36,19 @@ class DiagnosisPlan(NamedTuple):
     sure: Plan
     further: int
 
-    def line(self, workers=1):
+    def line(self, workers: int = 1) -> str:
         """One line for the user."""
         return (
             f"{self.sure.line(workers)}; then up to {self.further} more that depend on the answer"
         )
 
 
-def plan_diagnosis(question, effects=None, draws=DRAWS, cache=None):
+def plan_diagnosis(
+    question: "Question",
+    effects: Sequence[str] | None = None,
+    draws: int = DRAWS,
+    cache: "Path | None" = None,
+) -> DiagnosisPlan:
     """The `DiagnosisPlan` of a `Question`; nothing is run and nothing is written.
 
     Parameters
@@ -58,7 +70,7 @@ def plan_diagnosis(question, effects=None, draws=DRAWS, cache=None):
     return DiagnosisPlan(plan_of(missing, len(places) - len(missing)), further(question))
 
 
-def planned_cases(question, effects, draws):
+def planned_cases(question: "Question", effects: Sequence[str] | None, draws: int) -> "list[Case]":
     """Cases of all runs that do not depend on the answer."""
     simulated, cases = question.simulated, question.cases
     closures, _ = chosen_closures(question, effects)
@@ -69,7 +81,7 @@ def planned_cases(question, effects, draws):
     return [flow_case(case) for _, case in wanted.values()]
 
 
-def further(question):
+def further(question: "Question") -> int:
     """Most runs that may follow from the answer."""
     fitted, held_out = len(question.experiments), len(question.held_out)
     more_levels = REFINEMENTS * REFINED * fitted

@@ -8,6 +8,9 @@ release up to 10 %, spreading up to 80 %, arrest up to 98 %, then deposit. Witho
 edge of the measured profiles serves; without both, the times 1, 2.5 and 3.5 sqrt(height_0 / g).
 """
 
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
@@ -17,11 +20,18 @@ from fvcollapse.measure.curves import Curve
 from fvcollapse.measure.observables import front_position
 from fvcollapse.measure.quantities import CURVES, PROFILES, SCALAR_UNITS
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from fvcollapse.diagnosis.points import Kind
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.experiment_keys import Geometry
+
 ADVANCE = (0.10, 0.80, 0.98)  # share of the advance of the front at which a phase ends
 FREE_FALLS = (1.0, 2.5, 3.5)  # the same in sqrt(height_0 / g), where no front was measured
 
 
-def choose_points(experiments):
+def choose_points(experiments: "Iterable[Experiment]") -> Points:
     """The points of several experiments.
 
     Profiles are taken at seven moments of the collapse and about 22 places, the interface at five and
@@ -68,7 +78,7 @@ def choose_points(experiments):
     )
 
 
-def refuse_copies(experiments):
+def refuse_copies(experiments: "Sequence[Experiment]") -> None:
     """The same curve under two names is no second experiment (single numbers, or nothing but zeros, may agree).
 
     Raises
@@ -76,7 +86,7 @@ def refuse_copies(experiments):
     InputError
         A curve of two experiments has the same times, places and values.
     """
-    seen = {}
+    seen: dict[tuple, Experiment] = {}
     for experiment in experiments:
         for name, curve in experiment.curves.items():
             if np.ptp(curve.value) == 0.0:
@@ -87,7 +97,7 @@ def refuse_copies(experiments):
                 raise InputError(experiment.folder, name, f"the curve of {other.name}", allowed)
 
 
-def scalars(experiment):
+def scalars(experiment: "Experiment") -> "Iterator[tuple[str, str, Kind, Curve]]":
     """(name, units, kind, Curve of one point) of each measured number."""
     for each in experiment.scalars:
         value, sigma = np.array([each.value]), np.array([each.sigma])
@@ -95,7 +105,7 @@ def scalars(experiment):
         yield each.name, SCALAR_UNITS[each.name], each.kind, curve
 
 
-def chosen_curves(experiment, run):
+def chosen_curves(experiment: "Experiment", run: Run) -> "Iterator[tuple[str, str, Kind, Curve]]":
     """(name, units, kind, Curve) of each measured curve, thinned."""
     for name, curve in experiment.curves.items():
         if curve.x is None:
@@ -107,13 +117,13 @@ def chosen_curves(experiment, run):
         yield name, CURVES[name].unit, "value", thinned
 
 
-def nearest(values, targets):
+def nearest(values: "ArrayLike", targets: Iterable[float]) -> np.ndarray:
     """Indices, increasing and each once, of the values nearest to the targets."""
     values = np.asarray(values)
     return np.unique([int(np.argmin(np.abs(values - target))) for target in targets])
 
 
-def chosen_times(time, run, moving, resting):
+def chosen_times(time: np.ndarray, run: Run, moving: int, resting: int) -> np.ndarray:
     """Rows of a curve over time: `moving` of them until the front stops and `resting` after."""
     stop = min(max(run.duration, time[0]), time[-1])
     before = np.linspace(time[0], stop, moving + 1)[1:]
@@ -121,22 +131,24 @@ def chosen_times(time, run, moving, resting):
     return nearest(time, [*before, *after])
 
 
-def chosen_places(curve, run, moments, places):
+def chosen_places(
+    curve: Curve, run: Run, moments: Sequence[tuple[int, float]], places: int
+) -> np.ndarray:
     """Rows of a curve over time and place: at some moments, near `places` even abscissae."""
     ends = (0.0, *run.phase_ends, max(run.duration, curve.time[-1]))
     targets = [ends[phase] + share * (ends[phase + 1] - ends[phase]) for phase, share in moments]
     times = np.unique(curve.time)
-    edges = np.linspace(curve.x.min(), curve.x.max(), places + 1)
+    edges = np.linspace(curve.x.min(), curve.x.max(), places + 1)  # type: ignore[union-attr]
     centres = 0.5 * (edges[:-1] + edges[1:])
     rows = []
     for time in times[nearest(times, targets)]:
         row = np.flatnonzero(curve.time == time)
-        inside = centres[centres <= curve.x[row[-1]] + 0.5 * (edges[1] - edges[0])]
-        rows.append(row[nearest(curve.x[row], inside)] if len(inside) else row[:1])
+        inside = centres[centres <= curve.x[row[-1]] + 0.5 * (edges[1] - edges[0])]  # type: ignore[index]
+        rows.append(row[nearest(curve.x[row], inside)] if len(inside) else row[:1])  # type: ignore[index]
     return np.concatenate(rows)
 
 
-def run_of(experiment):
+def run_of(experiment: "Experiment") -> Run:
     """The scales of an experiment."""
     geometry = experiment.settings.geometry
     front = measured_front(experiment)
@@ -149,7 +161,7 @@ def run_of(experiment):
     return Run(experiment.name, float(length), phase_ends(front, geometry))
 
 
-def measured_front(experiment):
+def measured_front(experiment: "Experiment") -> np.ndarray:
     """(n, 2) time and position of the front: as measured, else the edge of the profiles."""
     curves = experiment.curves
     if "front" in curves:
@@ -162,12 +174,12 @@ def measured_front(experiment):
     return np.array([(t, front_position(x[row], h[row], threshold)) for t, row in rows])
 
 
-def phase_ends(front, geometry):
+def phase_ends(front: np.ndarray, geometry: "Geometry") -> tuple[float, ...]:
     """Times at which release, spreading and arrest end [s]; see the head of this module."""
     if len(front) > len(ADVANCE):
-        reach = np.maximum.accumulate(np.maximum(front[:, 1], geometry.length_0))
+        reach = np.maximum.accumulate(np.maximum(front[:, 1], geometry.length_0))  # type: ignore[arg-type]
         share = (reach - geometry.length_0) / max(reach[-1] - geometry.length_0, 1.0e-12)
         if share[-1] > 0.0:
             return tuple(float(front[np.argmax(share >= end), 0]) for end in ADVANCE)
-    fall = float(np.sqrt(geometry.height_0 / GRAVITY))
+    fall = float(np.sqrt(geometry.height_0 / GRAVITY))  # type: ignore[operator]
     return tuple(fall * multiple for multiple in FREE_FALLS)

@@ -4,15 +4,24 @@ All experiments and all observables are stacked into one vector. Both sides go t
 observation operator (`fvcollapse.observe`) and the same interpolation (`fvcollapse.measure.align`).
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from fvcollapse.measure.align import align, align_curve
 from fvcollapse.measure.curves import Curve
 from fvcollapse.measure.quantities import CURVES, QUANTITIES
+
+if TYPE_CHECKING:
+    from typing import Literal
+
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
+
+    Kind = Literal["value", "upper", "lower"]
 
 PHASES = ("release", "spreading", "arrest", "deposit")
 STEP = 0.01  # of duration and length: half the span of the differences for `Sensitivity`
@@ -30,7 +39,7 @@ class Block(NamedTuple):
     units: str
     time: np.ndarray
     x: np.ndarray
-    kind: str
+    kind: "Kind"
     start: int
     stop: int
 
@@ -40,10 +49,10 @@ class Run(NamedTuple):
 
     name: str
     length: float
-    phase_ends: tuple
+    phase_ends: tuple[float, ...]
 
     @property
-    def duration(self):
+    def duration(self) -> float:
         """When the front has come to rest [s]."""
         return self.phase_ends[-1]
 
@@ -63,27 +72,27 @@ class Points:
         One for each experiment.
     """
 
-    experiments: tuple
-    blocks: tuple
+    experiments: "tuple[Experiment, ...]"
+    blocks: tuple[Block, ...]
     measured: np.ndarray
     sigma: np.ndarray
-    runs: tuple
+    runs: tuple[Run, ...]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.measured)
 
     @property
-    def names(self):
+    def names(self) -> tuple[str, ...]:
         """Names of the experiments."""
         return tuple(run.name for run in self.runs)
 
-    def of(self, experiment):
+    def of(self, experiment: "Experiment | str") -> slice:
         """Slice of the points of one experiment (the object or its name)."""
         name = getattr(experiment, "name", experiment)
         own = [block for block in self.blocks if block.experiment == name]
         return slice(own[0].start, own[-1].stop)
 
-    def part(self, name):
+    def part(self, name: str) -> "Points":
         """The `Points` of one experiment, alone."""
         rows = self.of(name)
         blocks = tuple(
@@ -100,56 +109,56 @@ class Points:
         )
 
     @cached_property
-    def parts(self):
+    def parts(self) -> "dict[str, Points]":
         """{name of an experiment: its `Points`}."""
         return {name: self.part(name) for name in self.names}
 
-    def run(self, block):
+    def run(self, block: Block) -> Run:
         """The `Run` a block belongs to."""
         return next(run for run in self.runs if run.name == block.experiment)
 
-    def per_point(self, value):
+    def per_point(self, value: Callable[[Block], float | str]) -> np.ndarray:
         """(N,) array of `value(block)`, a number or a string for each block."""
         parts = [np.full(block.stop - block.start, value(block)) for block in self.blocks]
         return np.concatenate(parts)
 
     @property
-    def experiment(self):
+    def experiment(self) -> np.ndarray:
         """Name of the experiment of each point, (N,)."""
         return self.per_point(lambda block: block.experiment)
 
     @property
-    def observable(self):
+    def observable(self) -> np.ndarray:
         """Name of the observable of each point, (N,)."""
         return self.per_point(lambda block: block.observable)
 
     @property
-    def kind(self):
+    def kind(self) -> np.ndarray:
         """Value, upper or lower, (N,)."""
         return self.per_point(lambda block: block.kind)
 
     @property
-    def time(self):
+    def time(self) -> np.ndarray:
         """Time of each point, (N,), s; NaN for scalars."""
         return np.concatenate([block.time for block in self.blocks])
 
     @property
-    def x(self):
+    def x(self) -> np.ndarray:
         """Abscissa of each point, (N,), m; NaN where there is none."""
         return np.concatenate([block.x for block in self.blocks])
 
     @property
-    def phase(self):
+    def phase(self) -> np.ndarray:
         """Phase of each point, (N,): "release", "spreading", "arrest" or "deposit"."""
         return np.concatenate([self._phase_of(block) for block in self.blocks])
 
-    def _phase_of(self, block):
+    def _phase_of(self, block: Block) -> np.ndarray:
         if QUANTITIES[block.observable].phase:
             return np.array([QUANTITIES[block.observable].phase])
         # side left: the moment at which a phase ends belongs to it
         return np.array(PHASES)[np.searchsorted(self.run(block).phase_ends, block.time)]
 
-    def simulated(self, observations):
+    def simulated(self, observations: "Mapping[str, Observations]") -> np.ndarray:
         """Simulated values on the points, (N,).
 
         Parameters
@@ -168,7 +177,7 @@ class Points:
             parts += [each.simulated for each in aligned]
         return np.concatenate(parts)
 
-    def _thinned(self, experiment):
+    def _thinned(self, experiment: "Experiment") -> "Experiment":
         """The experiment with its curves cut down to the points."""
         curves = {}
         for block in self.blocks:
@@ -178,7 +187,7 @@ class Points:
                 curves[block.observable] = Curve(block.time, x, self.measured[own], self.sigma[own])
         return replace(experiment, curves=curves)
 
-    def sensitivity(self, observations):
+    def sensitivity(self, observations: "Mapping[str, Observations]") -> "Sensitivity":
         """How the values that are read change with an error of the clock and of the origin of X.
 
         Parameters
@@ -217,7 +226,9 @@ class Sensitivity(NamedTuple):
     origin: np.ndarray
 
 
-def slope_of(observations, thinned, name, axis, step):
+def slope_of(
+    observations: "Observations", thinned: "Experiment", name: str, axis: str, step: float
+) -> np.ndarray:
     """Derivative of the simulated curve with respect to time or x at its points, (n,)."""
     curve = thinned.curves[name]
     sides = []

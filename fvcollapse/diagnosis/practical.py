@@ -15,7 +15,8 @@ Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425; ASME V&V 20 (2009).
 """
 
 import dataclasses
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -26,6 +27,10 @@ from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.gap_map import beyond_bounds
 from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.points import Block, Points
 
 # What two codes for the same equations differ by, root mean square over the points of a diagnosis, without noise: the
 # thickness in heights of the column, the front in distances that it travels. A volume-of-fluid code (no slip, no walls)
@@ -67,7 +72,7 @@ class Practical(NamedTuple):
     codes: float | None
 
     @property
-    def honest(self):
+    def honest(self) -> float:
         """The error that a model may have although nothing is missing.
 
         As controls show it, else what codes differ by, else the combined uncertainty.
@@ -77,7 +82,7 @@ class Practical(NamedTuple):
         return self.uncertainty if self.codes is None else self.codes
 
     @property
-    def is_larger(self):
+    def is_larger(self) -> bool:
         """Whether more is left than an honest error of the model."""
         return self.beyond > self.honest
 
@@ -102,44 +107,44 @@ class Remainder(NamedTuple):
 
     regions: int
     p_value: float
-    practical: tuple
+    practical: tuple[Practical, ...]
     left: float
     best_left: float
     best: str
 
     @property
-    def gain(self):
+    def gain(self) -> float:
         """Fraction of the re-calibrated gap that the best effect closes."""
         return 1.0 - self.best_left / self.left if self.left > 0.0 else 0.0
 
     @property
-    def is_significant(self):
+    def is_significant(self) -> bool:
         """Whether chance does not explain it: a region of the map, or all points taken together."""
         return self.regions > 0 or self.p_value < CHECK_PASSED
 
     @property
-    def largest(self):
+    def largest(self) -> float:
         """Largest size beyond noise over an honest error of the model."""
         return max(
             (part.beyond / max(part.honest, 1.0e-12) for part in self.practical), default=0.0
         )
 
     @property
-    def is_practical(self):
+    def is_practical(self) -> bool:
         """Whether some observable is off by more than an honest error of the model."""
         return any(part.is_larger for part in self.practical)
 
     @property
-    def is_something(self):
+    def is_something(self) -> bool:
         """Whether there is something to explain; without it the cause is not "unknown"."""
         return self.is_significant and self.is_practical
 
 
-def something_unexplained(analysis):
+def something_unexplained(analysis: "Analysis") -> Remainder:
     """The `Remainder` of an `Analysis`; `is_something` says whether there is anything to explain."""
     hypotheses = analysis.evidence.hypotheses
     sizes = sizes_left(analysis)
-    best = min(sizes, key=sizes.get)
+    best = min(sizes, key=sizes.get)  # type: ignore[arg-type]
     return Remainder(
         regions=len(analysis.gap_map.regions),
         p_value=hypotheses[NONE].p_value,
@@ -150,14 +155,14 @@ def something_unexplained(analysis):
     )
 
 
-def with_left(analysis):
+def with_left(analysis: "Analysis") -> "Analysis":
     """The analysis whose evidence tells what is `left`."""
     remainder = something_unexplained(analysis)
     left = Left(remainder.regions, remainder.largest, remainder.gain)
     return dataclasses.replace(analysis, evidence=dataclasses.replace(analysis.evidence, left=left))
 
 
-def sizes_left(analysis):
+def sizes_left(analysis: "Analysis") -> dict[str, float]:
     """{hypothesis but "unknown": size of the re-calibrated gap beyond the noise}, "none" first."""
     noise, calibrate = noise_of(analysis), recalibration_of(analysis)
     hypotheses = analysis.evidence.hypotheses
@@ -166,16 +171,16 @@ def sizes_left(analysis):
     return {name: size(gap / noise, np.ones(len(noise))) for name, gap in gaps.items()}
 
 
-def noise_of(analysis):
+def noise_of(analysis: "Analysis") -> np.ndarray:
     """Standard deviation of measurement and grid, (N,)."""
     return np.sqrt(np.diag(analysis.measurement + analysis.numerical))
 
 
-def recalibration_of(analysis):
+def recalibration_of(analysis: "Analysis") -> Callable[[np.ndarray], np.ndarray]:
     """The function (gap (N,)) that takes off what a linear re-calibration explains, (N,); of a bound what is beyond."""
     points, covariance = analysis.points, analysis.covariance
 
-    def calibrate(gap):
+    def calibrate(gap: np.ndarray) -> np.ndarray:
         gap = beyond_bounds(points, gap)
         rows = (points.kind == "value") | (gap != 0.0)
         if analysis.controls or not rows.any():
@@ -187,7 +192,7 @@ def recalibration_of(analysis):
     return calibrate
 
 
-def practical_sizes(analysis, gap):
+def practical_sizes(analysis: "Analysis", gap: np.ndarray) -> tuple[Practical, ...]:
     """The `Practical` of every observable, for what a re-calibration leaves of the gap (N,)."""
     points, noise = analysis.points, noise_of(analysis)
     variance, observable = np.diag(analysis.covariance), points.observable
@@ -210,15 +215,15 @@ def practical_sizes(analysis, gap):
     return tuple(parts)
 
 
-def scale_of(points, block):
+def scale_of(points: "Points", block: "Block") -> float:
     """Length of which `CROSS_CODE` is a part [m]: height of the column, for a front its farthest way."""
     experiment = next(one for one in points.experiments if one.name == block.experiment)
     geometry = experiment.settings.geometry
     if discrepancy_of(block.observable) != "front":
-        return geometry.height_0
+        return geometry.height_0  # type: ignore[return-value]
     return max(points.measured[block.start : block.stop].max() - geometry.length_0, 0.0)
 
 
-def rms(values):
+def rms(values: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(values**2)))

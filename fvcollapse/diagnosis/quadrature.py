@@ -3,8 +3,9 @@
 p(D | k) = sum_s w_s  integral over [0, 1]^d of  N(gap + Delta_k(u); 0, C_k(s, u)) du
 """
 
+from collections.abc import Mapping
 from functools import cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -13,6 +14,9 @@ from scipy.stats import qmc
 
 from fvcollapse.diagnosis.log_sums import log_sum_exp
 from fvcollapse.diagnosis.node_likelihood import stack_of
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.likelihood import ResponseColumns, Seen
 
 DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
 UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
@@ -37,22 +41,22 @@ class Posterior(NamedTuple):
     log_ratio: np.ndarray
 
     @classmethod
-    def of(cls, nodes, log_likelihood, log_ratio):
+    def of(cls, nodes: np.ndarray, log_likelihood: np.ndarray, log_ratio: np.ndarray) -> Self:
         """With the evidence, the mean of likelihood x prior / density."""
         terms = log_sum_exp(log_likelihood, axis=1) + log_ratio
         return cls(float(log_sum_exp(terms) - np.log(len(terms))), nodes, log_likelihood, log_ratio)
 
-    def log_weights(self):
+    def log_weights(self) -> np.ndarray:
         """Logarithms of the posterior weights of the nodes, (q,); they sum to one."""
         terms = log_sum_exp(self.log_likelihood, axis=1) + self.log_ratio
         return terms - log_sum_exp(terms)
 
-    def effective(self):
+    def effective(self) -> float:
         """Effective number of nodes."""
         return float(np.exp(-log_sum_exp(2.0 * self.log_weights())))
 
 
-def sigma_weights(sigmas):
+def sigma_weights(sigmas: np.ndarray) -> np.ndarray:
     """Logarithms of the prior weights of a grid of s."""
     if sigmas is UNKNOWN_DISCREPANCIES:
         return np.full(len(sigmas), -np.log(len(sigmas)))
@@ -60,7 +64,12 @@ def sigma_weights(sigmas):
     return np.log(weights / weights.sum())
 
 
-def integrate(seen, closure, limits, temperature=1.0):
+def integrate(
+    seen: "Mapping[float, Seen]",
+    closure: "ResponseColumns",
+    limits: tuple[float, float],
+    temperature: float = 1.0,
+) -> Posterior:
     """The `Posterior` of a closure whose prior is uniform between the same limits in all dimensions.
 
     The likelihood is raised to the power 1 / temperature.
@@ -93,7 +102,13 @@ def integrate(seen, closure, limits, temperature=1.0):
     return posterior if d == 1 else along_ridge(seen, closure, limits, posterior, temperature)
 
 
-def along_ridge(seen, closure, limits, posterior, temperature):
+def along_ridge(
+    seen: "Mapping[float, Seen]",
+    closure: "ResponseColumns",
+    limits: tuple[float, float],
+    posterior: Posterior,
+    temperature: float,
+) -> Posterior:
     """The `Posterior` by importance sampling: nodes of a t distribution that is fitted to the last nodes.
 
     One node in ten is spread over the whole prior, so that no weight is large without reason.
@@ -118,7 +133,7 @@ def along_ridge(seen, closure, limits, posterior, temperature):
     return posterior
 
 
-def tempered_moments(posterior, count):
+def tempered_moments(posterior: Posterior, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Mean (d,) and covariance (d, d) of the nodes, weights flattened until `count` of them are effective."""
     logs = posterior.log_weights()
     power = 1.0
@@ -133,14 +148,19 @@ def tempered_moments(posterior, count):
     return centre, covariance + 1.0e-10 * np.eye(len(centre))
 
 
-def likelihood(seen, closure, nodes, temperature=1.0):
+def likelihood(
+    seen: "Mapping[float, Seen]",
+    closure: "ResponseColumns",
+    nodes: np.ndarray,
+    temperature: float = 1.0,
+) -> np.ndarray:
     """Log-likelihood / temperature, x weight of s, (q, number of s)."""
     own = [seen[sigma] for sigma in DISCREPANCIES]
     log_values = stack_of(own, closure).log_likelihood(own, nodes)
     return log_values / temperature + sigma_weights(DISCREPANCIES)
 
 
-def log_density_t(apart, factor):
+def log_density_t(apart: np.ndarray, factor: np.ndarray) -> np.ndarray:
     """Logarithm of the density of the t distribution of `RIDGE_TAILS` at distances (q, d) from its centre, (q,).
 
     `factor` (d, d) is the lower Cholesky factor of its scale.
@@ -153,7 +173,7 @@ def log_density_t(apart, factor):
 
 
 @cache
-def ridge_nodes(d):
+def ridge_nodes(d: int) -> tuple[np.ndarray, np.ndarray]:
     """Quasi-random numbers in [0, 1]^d, and steps of a t distribution of unit scale, (q, d) each."""
     unit = qmc.Sobol(d + 1, seed=0).random(NODES_SOBOL)
     spread = np.sqrt(RIDGE_TAILS / chdtri(RIDGE_TAILS, 1.0 - unit[:, -1]))
@@ -161,7 +181,7 @@ def ridge_nodes(d):
 
 
 @cache
-def first_nodes(d, low, high):
+def first_nodes(d: int, low: float, high: float) -> np.ndarray:
     """Nodes (q, d) over the whole prior, the same array at every call; it cannot be written to."""
     nodes = low + unit_nodes(d) * (high - low)
     nodes.flags.writeable = False
@@ -169,14 +189,16 @@ def first_nodes(d, low, high):
 
 
 @cache
-def unit_nodes(d):
+def unit_nodes(d: int) -> np.ndarray:
     """Nodes of the quadrature on [0, 1]^d, (q, d)."""
     if d in NODES:
         return (np.arange(NODES[d])[:, None] + 0.5) / NODES[d]
     return qmc.Sobol(d, seed=0).random(NODES_SOBOL)
 
 
-def intervals(posterior, u, level=0.9):
+def intervals(
+    posterior: Posterior, u: np.ndarray, level: float = 0.9
+) -> tuple[np.ndarray, np.ndarray]:
     """Ends (d,), (d,) of the shortest posterior intervals of the quantiles that contain u (d,).
 
     Not the central ones: where the likelihood falls from the end of a prior, they leave out its maximum.

@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.baseline import baseline_cases, usual_cell_size
 from fvcollapse.diagnosis.point_choice import choose_points
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.points import Points
+    from fvcollapse.measure.experiment import Experiment
 
 ROUND_OFF = 1.0e-9  # relative
 
@@ -27,14 +32,14 @@ class Question:
         Of all random draws.
     """
 
-    experiments: tuple
-    held_out: tuple = ()
-    controls: tuple = ()
+    experiments: "tuple[Experiment, ...]"
+    held_out: "tuple[Experiment, ...]" = ()
+    controls: "tuple[Experiment, ...]" = ()
     believed: Case | None = None
     cell_size: float | None = None
     seed: int = 0
 
-    def check(self):
+    def check(self) -> None:
         """Refuse an experiment that is given twice, and cells too large for a column.
 
         Raises
@@ -45,37 +50,37 @@ class Question:
         _ = self.cases, self.held_out_cases
 
     @property
-    def simulated(self):
+    def simulated(self) -> "tuple[Experiment, ...]":
         """Experiments whose effects and parameters are varied: those to fit, then the controls."""
         return (*self.experiments, *self.controls)
 
     @cached_property
-    def points(self):
+    def points(self) -> "Points":
         """`Points` of the experiments to fit."""
         return choose_points(self.experiments)
 
     @cached_property
-    def all_points(self):
+    def all_points(self) -> "Points":
         """`Points` of the experiments to fit and of the controls, in this order."""
         return choose_points(self.simulated)
 
     @cached_property
-    def held_out_points(self):
+    def held_out_points(self) -> "Points":
         """`Points` of the experiments held out; there must be one."""
         return choose_points(self.held_out)
 
     @cached_property
-    def cases(self):
+    def cases(self) -> dict[str, Case]:
         """{name: `Case` on the coarser grid} of the experiments to fit and of the controls."""
         return baseline_cases(self.simulated, self.believed, self.cell_size)
 
     @cached_property
-    def held_out_cases(self):
+    def held_out_cases(self) -> dict[str, Case]:
         """{name: `Case` on the coarser grid} of the experiments held out."""
         return baseline_cases(self.held_out, self.believed, self.cell_size)
 
     @cached_property
-    def coarse_cells(self):
+    def coarse_cells(self) -> dict[str, float]:
         """{experiment: largest cell size [m] of the fitted verdict layer} of those whose cells are larger."""
         usual = {
             one.name: usual_cell_size(self.cases[one.name].geometry) for one in self.experiments
@@ -87,6 +92,6 @@ class Question:
         }
 
     @property
-    def baseline(self):
+    def baseline(self) -> Case:
         """`Case` of the first experiment: the model as given."""
         return self.cases[self.experiments[0].name]

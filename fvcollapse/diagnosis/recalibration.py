@@ -4,7 +4,8 @@ Gauss-Newton with the parameters of the effects inside the central 98 % of their
 parameters of the material held by their uncertainty.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -16,6 +17,14 @@ from fvcollapse.diagnosis.controls import condition
 from fvcollapse.diagnosis.gap_map import beyond_bounds
 from fvcollapse.diagnosis.names import NONE, effects_of
 from fvcollapse.diagnosis.nuisances import CALIBRATED, value_of, with_nuisances
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.emulator import Response
+    from fvcollapse.diagnosis.evidence import Hypothesis
+    from fvcollapse.diagnosis.levels import Closure
+    from fvcollapse.measure.experiment import Experiment
 
 LEAST_QUANTILE = 0.01  # of the prior of a parameter of an effect, and 1 - this the largest
 MOST_DEVIATIONS = 3.0  # of a calibrated parameter from its value
@@ -32,7 +41,7 @@ class Refit(NamedTuple):
         Of the calibrated parameters of the material, in standard deviations.
     """
 
-    effects: dict
+    effects: "dict[str, tuple[Closure, np.ndarray]]"
     z: np.ndarray
 
 
@@ -43,7 +52,7 @@ class Recalibration:
     set-up, and the discrepancy at the size that the hypothesis found.
     """
 
-    def __init__(self, analysis):
+    def __init__(self, analysis: "Analysis") -> None:
         library = analysis.library
         self.analysis, self.library = analysis, library
         rows = [n for n, quantity in enumerate(library.quantities) if quantity.key in CALIBRATED]
@@ -51,7 +60,7 @@ class Recalibration:
         self.slopes = library.sensitivities[rows]
         self.kind = library.points.kind
 
-    def fit(self, name, rows):
+    def fit(self, name: str, rows: np.ndarray) -> Refit:
         """The `Refit` of a hypothesis ("": no effect) on some points (N,) of the library."""
         hypothesis = self.analysis.evidence.hypotheses[name or NONE]
         parts = self.parts(name, hypothesis)
@@ -70,7 +79,9 @@ class Recalibration:
             first += len(u)
         return Refit(effects, start[count:])
 
-    def parts(self, name, hypothesis):
+    def parts(
+        self, name: str, hypothesis: "Hypothesis"
+    ) -> "list[tuple[Closure, Response, np.ndarray]]":
         """(closure, response, u) of each effect of a hypothesis, as the evidence has them."""
         members, first = [], 0
         for effect, variant in zip(effects_of(name or NONE), hypothesis.variant, strict=True):
@@ -80,7 +91,13 @@ class Recalibration:
             members.append((self.library.closures[effect][variant], response, u))
         return members
 
-    def residual(self, parts, count, sigma, rows):
+    def residual(
+        self,
+        parts: "Sequence[tuple[Closure, Response, np.ndarray]]",
+        count: int,
+        sigma: float,
+        rows: np.ndarray,
+    ) -> Callable[[np.ndarray], np.ndarray]:
         """Function of (u, z): whitened gaps, gaps beyond bounds, and the priors: z, and u as a standard normal.
 
         Without its prior a parameter that the data do not see would run along a ridge to its bound.
@@ -93,7 +110,7 @@ class Recalibration:
         deviation = np.sqrt(np.diag(covariance))[bounds]
         gap, points = self.library.fine - self.library.points.measured, self.library.points
 
-        def evaluate(parameters):
+        def evaluate(parameters: np.ndarray) -> np.ndarray:
             whole = gap + self.change(parts, parameters[:count]) + parameters[count:] @ self.slopes
             white = solve_triangular(factor, whole[values], lower=True, check_finite=False)
             beyond = beyond_bounds(points, whole)[bounds] / deviation
@@ -102,7 +119,9 @@ class Recalibration:
 
         return evaluate
 
-    def change(self, parts, u):
+    def change(
+        self, parts: "Sequence[tuple[Closure, Response, np.ndarray]]", u: np.ndarray
+    ) -> np.ndarray:
         """Response of the effects at their quantiles, (N,)."""
         total, first = np.zeros(len(self.library.points)), 0
         for _, response, u_before in parts:
@@ -110,7 +129,7 @@ class Recalibration:
             first += len(u_before)
         return total
 
-    def predicted(self, fit):
+    def predicted(self, fit: Refit) -> np.ndarray:
         """Values that the emulator gives for a fit, (N,)."""
         total = self.library.fine + fit.z @ self.slopes
         for effect, (closure, u) in fit.effects.items():
@@ -118,7 +137,7 @@ class Recalibration:
             total = total + self.library.responses[effect][number].at(u)
         return total
 
-    def after_controls(self, fits):
+    def after_controls(self, fits: Mapping[str, Refit]) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """({model: shift (n,)}, covariance (n, n)) of the gaps of the experiments, given the controls."""
         analysis, points = self.analysis, self.library.points
         if not analysis.controls:
@@ -133,7 +152,7 @@ class Recalibration:
             shifts[model] = conditioned.mean
         return shifts, conditioned.covariance
 
-    def case(self, fit, experiment, base):
+    def case(self, fit: Refit, experiment: "Experiment", base: "Case") -> "Case":
         """The case of a fit on the finer grid, for an experiment whose coarser baseline is `base`."""
         name = experiment.name
         entering = [  # a material of the same value is the same material

@@ -1,14 +1,20 @@
 """The question of a diagnosis as its folder records it; see `fvcollapse.output.question`."""
 
+from collections.abc import Sequence
 from hashlib import sha256
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.diagnosis.levels import applicable_effects
 from fvcollapse.output.question import case_question
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.measure.experiment import Experiment
 
-def recorded(question, effects, draws):
+
+def recorded(question: "Question", effects: Sequence[str] | None, draws: int) -> dict[str, Any]:
     """All that the answer depends on, as {name: number, text or list}.
 
     Parameters
@@ -32,7 +38,7 @@ def recorded(question, effects, draws):
         "hold_out": question.held_out,
         "controls": question.controls,
     }
-    record = {
+    record: dict[str, Any] = {
         name: [[experiment.name, digest(experiment)] for experiment in group]
         for name, group in groups.items()
     }
@@ -45,7 +51,7 @@ def recorded(question, effects, draws):
     return record | ({} if question.believed is None else case_question(question.believed))
 
 
-def digest(experiment):
+def digest(experiment: "Experiment") -> str:
     """Digest of all that an experiment states and measured."""
     contents = sha256(repr((experiment.settings, experiment.scalars)).encode())
     for name, curve in sorted(experiment.curves.items()):

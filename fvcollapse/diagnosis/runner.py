@@ -3,10 +3,11 @@
 An effect that changes the observation and not the flow is read off the run without it.
 """
 
+from collections.abc import Callable, Mapping
 from copy import copy
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.progress import cost_of_run
@@ -17,6 +18,24 @@ from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.studies.cache import RunCache, entry
 from fvcollapse.studies.cache_folder import ready_folder
 from fvcollapse.studies.workers import run_all
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+    from typing import TypeVar
+
+    from fvcollapse.console.rounds_bar import RoundsBar
+    from fvcollapse.errors import FvcollapseError
+    from fvcollapse.measure.experiment import Experiment
+    from fvcollapse.measure.observables import Observations
+    from fvcollapse.studies.standing import StandingWorkers
+
+    # what a run is of (model, or effect and number of its closure), and its draw, or its level and realisation
+    What = str | tuple[str, int]
+    Number = int | str | tuple[int | str, int] | None
+    Label = tuple[What, Number, str]  # the last is the name of its experiment
+    Wanted = dict[Label, tuple[Experiment, Case]]
+    Failures = dict[Label, FvcollapseError]
+    AnyLabel = TypeVar("AnyLabel", bound=Hashable)
 
 
 class RunRecord(NamedTuple):
@@ -45,13 +64,27 @@ class Runner:
         Key -> `RunRecord`, in the order in which they were asked for.
     """
 
-    def __init__(self, folder=None, workers=1, scheduler=None, quiet=True):
+    if TYPE_CHECKING:
+        asked: set[str]
+        computed: set[str]
+        failed: set[str]
+        record: dict[str, RunRecord]
+
+    def __init__(
+        self,
+        folder: str | Path | None = None,
+        workers: int = 1,
+        scheduler: str | None = None,
+        quiet: bool = True,
+    ) -> None:
         self.cache = RunCache(ready_folder(folder))
         self.workers, self.scheduler, self.quiet = workers, scheduler, quiet
         self.asked, self.computed, self.failed = set(), set(), set()
         self.record = {}
 
-    def observations(self, wanted, phase=""):
+    def observations(
+        self, wanted: "Mapping[AnyLabel, tuple[Experiment, Case]]", phase: str = ""
+    ) -> "tuple[dict[AnyLabel, Observations], dict[AnyLabel, FvcollapseError]]":
         """({label: Observations}, {label: NumericalError}) of {label: (experiment, case)}.
 
         The costly ones first. `phase` is the word of the progress bar for these runs.
@@ -76,7 +109,14 @@ class Runner:
                 failures[label] = error
         return seen, failures
 
-    def make_calls(self, phase, flows, task, calls, finished):
+    def make_calls(
+        self,
+        phase: str,
+        flows: Mapping[Any, Case],
+        task: Callable,
+        calls: dict[str, tuple],
+        finished: Callable[[str, Any], None],
+    ) -> None:
         """Make the calls that the cache needs; see `workers.run_all`."""
         run_all(task, calls, finished, self.workers, self.scheduler, self.quiet)
 
@@ -92,18 +132,27 @@ class StandingRunner(Runner):
     bar : RoundsBar
     """
 
-    def __init__(self, folder, workers, bar):
+    def __init__(
+        self, folder: str | Path | None, workers: "StandingWorkers", bar: "RoundsBar"
+    ) -> None:
         super().__init__(folder)
         self.standing, self.bar = workers, bar
 
-    def make_calls(self, phase, flows, task, calls, finished):
+    def make_calls(
+        self,
+        phase: str,
+        flows: Mapping[Any, Case],
+        task: Callable,
+        calls: dict[str, tuple],
+        finished: Callable[[str, Any], None],
+    ) -> None:
         """See `Runner.make_calls`."""
         if calls and self.standing.scheduler is None:
             tell_compilation(self.bar.off)
         costs = {key: cost_of_run(case) for key, (case, *_) in calls.items()}
         self.bar.begin(phase, [*costs.values()], sum(map(cost_of_run, flows.values())))
 
-        def end(key, outcome):
+        def end(key: str, outcome: Any) -> None:
             """Count a run that has ended."""
             self.bar.end_run(costs[key])
             finished(key, outcome)

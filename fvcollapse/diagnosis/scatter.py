@@ -10,14 +10,23 @@ Limits: the mean is interpolated as if it were exact. The run-out scatters as th
 that is changed, as the peak velocity, scatters by itself.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fvcollapse.diagnosis.emulator import Response
 from fvcollapse.effects import front_saltation
 from fvcollapse.effects.catalogue import CATALOGUE
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.levels import Closure
+    from fvcollapse.diagnosis.points import Points
+    from fvcollapse.diagnosis.runner import Number
+    from fvcollapse.measure.observables import Observations
 
 SEEDS = 4
 # effect: (parameter that is the standard deviation of its scatter, covariance of the front over its square)
@@ -38,25 +47,30 @@ class ScatteredResponse(Response):
     scale: np.ndarray
     scatters = True
 
-    def weights(self, u):
+    def weights(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the levels (q, n) and variance (q,) of the scatter, 1 at the level of the largest."""
         weights, _ = self.kriging(u)
         return weights, np.maximum(weights @ self.scale, 0.0) ** 2
 
 
-def realisations(effect, case):
+def realisations(effect: str, case: "Case") -> "list[Case]":
     """Cases that differ in the realisation of an effect; the case itself of one that does not scatter."""
     if effect not in SCATTERS:
         return [case]
     return [case.replace(**{f"effects.{effect}.seed": seed}) for seed in range(SEEDS)]
 
 
-def labels(effect, level):
+def labels(effect: str, level: int | str) -> "list[Number]":
     """Numbers of the realisations of a level in the labels of the runs; the first is that of the level."""
     return [level, *((level, seed) for seed in range(1, SEEDS if effect in SCATTERS else 1))]
 
 
-def scattered(mean, closure, departures, curves):
+def scattered(
+    mean: Response,
+    closure: "Closure",
+    departures: np.ndarray,
+    curves: "Sequence[tuple[Points, Observations, Case]]",
+) -> ScatteredResponse:
     """The `ScatteredResponse` of an effect.
 
     Parameters
@@ -75,7 +89,7 @@ def scattered(mean, closure, departures, curves):
     count, start, columns = mean.differences.shape[1], 0, [np.empty((0, departures.shape[2]))]
     for points, seen, case in curves:
         rows, times = front_rows(points)
-        covariance = covariance_of(section, case.resolved, *seen.front.T, times)
+        covariance = covariance_of(section, case.resolved, *seen.front.T, times)  # type: ignore[call-arg]
         own = np.zeros((len(rows), count))
         own[:, start + rows] = factor_of(covariance).T
         columns.append(own)
@@ -89,7 +103,7 @@ def scattered(mean, closure, departures, curves):
     return ScatteredResponse(mean.levels, mean.differences, errors, size / size.max())
 
 
-def front_rows(points):
+def front_rows(points: "Points") -> tuple[np.ndarray, np.ndarray]:
     """Rows of the front and of the run-out, and their times [s]; that of the run-out is inf: at rest."""
     rows, times = [np.empty(0, int)], [np.empty(0)]
     for block in points.blocks:
@@ -99,7 +113,7 @@ def front_rows(points):
     return np.concatenate(rows), np.concatenate(times)
 
 
-def factor_of(covariance):
+def factor_of(covariance: np.ndarray) -> np.ndarray:
     """F (n, n) with F F' = covariance, which may be singular."""
     values, vectors = np.linalg.eigh(covariance)
     return vectors * np.sqrt(np.maximum(values, 0.0))

@@ -9,13 +9,18 @@ is twice the expected log Bayes factor for j, which is true, against k with a fr
 unique signal-to-noise ratio of k is the length of W_k outside the span of all others.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.sparse.csgraph import connected_components
 
 from fvcollapse.diagnosis.likelihood import span_of
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Closures, ModelComparison
 
 DISCREPANCY = 0.2
 EQUIVALENT = 3.0  # d^2 below which two effects are one to these data
@@ -41,16 +46,22 @@ class Separability:
         Effects whose unique signal-to-noise ratio is below 3: these data cannot name them for sure.
     """
 
-    names: tuple
+    names: tuple[str, ...]
     cosine: np.ndarray
     distance: np.ndarray
     snr: np.ndarray
     unique_snr: np.ndarray
-    classes: tuple
-    insufficient: tuple
+    classes: tuple[tuple[str, ...], ...]
+    insufficient: tuple[str, ...]
 
 
-def separability(covariance, kernel, responses, at=None, sigma=DISCREPANCY):
+def separability(
+    covariance: np.ndarray,
+    kernel: np.ndarray,
+    responses: "Mapping[str, Closures]",
+    at: Mapping[str, np.ndarray] | None = None,
+    sigma: float = DISCREPANCY,
+) -> Separability:
     """The `Separability` of some effects.
 
     Parameters
@@ -66,7 +77,7 @@ def separability(covariance, kernel, responses, at=None, sigma=DISCREPANCY):
         Discrepancy s.
     """
     if not responses:
-        return Separability((), *np.zeros((2, 0, 0)), *np.zeros((2, 0)), (), ())
+        return Separability((), *np.zeros((2, 0, 0)), *np.zeros((2, 0)), (), ())  # type: ignore[call-arg]
     at, names, columns = at or {}, tuple(responses), []
     for name, given in responses.items():
         response = given[0] if isinstance(given, list | tuple) else given
@@ -82,7 +93,7 @@ def separability(covariance, kernel, responses, at=None, sigma=DISCREPANCY):
     visible = snr**2 >= EQUIVALENT
     alike = (np.minimum(distance, distance.T) < EQUIVALENT) & visible & visible[:, None]
     _, label = connected_components(alike, directed=False)
-    classes = [
+    classes: list[tuple[str, ...]] | tuple[tuple[str, ...], ...] = [
         tuple(name for name, own in zip(names, label, strict=True) if own == k)
         for k in range(label.max() + 1)
     ]
@@ -91,7 +102,7 @@ def separability(covariance, kernel, responses, at=None, sigma=DISCREPANCY):
     return Separability(names, cosine, distance, snr, unique, classes, insufficient)
 
 
-def unique_length(unit, k):
+def unique_length(unit: np.ndarray, k: int) -> float:
     """Length of a unit column outside the span of the others."""
     others = np.delete(unit, k, axis=1)
     if others.shape[1] == 0:
@@ -100,7 +111,13 @@ def unique_length(unit, k):
     return float(np.linalg.norm(unit[:, k] - left @ (left.T @ unit[:, k])))
 
 
-def null_test(samples, mean, comparison, measurement, rng):
+def null_test(
+    samples: np.ndarray,
+    mean: np.ndarray,
+    comparison: "ModelComparison",
+    measurement: np.ndarray,
+    rng: np.random.Generator,
+) -> dict[str, float]:
     """Effects that win although nothing but the calibration is off (BaNTER).
 
     Every run of the ensemble, its parameters off by about 1.5 standard deviations, with drawn errors of
@@ -124,7 +141,7 @@ def null_test(samples, mean, comparison, measurement, rng):
         Name of each hypothesis that won -> share of the draws, the most frequent first.
     """
     factor = cholesky(measurement, lower=True, check_finite=False)
-    wins = {}
+    wins: dict[str, int] = {}
     for sample in samples:
         noise = factor @ rng.standard_normal(len(mean))
         winner = comparison.best_name(-OFF_BY * (sample - mean) - noise)

@@ -4,7 +4,9 @@ Experiments count in the order in which they are given. No run is made: the answ
 points of these experiments alone, with the controls and the calibrated parameters as in the whole diagnosis.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +15,18 @@ from fvcollapse.diagnosis.gap_map import gap_map
 from fvcollapse.diagnosis.mass_balance import mass_balance
 from fvcollapse.diagnosis.practical import with_left
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.verdict import Verdict
+    from fvcollapse.diagnosis.verdict_model import VerdictModel
 
-def after(analysis, count):
+
+def after(analysis: "Analysis", count: int) -> "Analysis":
     """The `Analysis` of the first `count` experiments of an analysis."""
     question = replace(analysis.question, experiments=analysis.experiments[:count])
     points = question.points
     own = slice(0, len(points))
-    parts = {
+    parts: dict[str, Any] = {
         "covariance": analysis.covariance[own, own],
         "kernel": analysis.kernel[own, own],
         "shift": analysis.shift[own],
@@ -37,7 +44,10 @@ def after(analysis, count):
     return with_left(replace(analysis, question=question, **parts, **changed))
 
 
-def sequence(analysis, judge):
+def sequence(
+    analysis: "Analysis",
+    judge: "Callable[[Analysis], tuple[Analysis, Verdict, VerdictModel | None]]",
+) -> "list[tuple[tuple[str, ...], Verdict]]":
     """[(names of the experiments, Verdict)] after the first, the first two, …, all but the last.
 
     Parameters

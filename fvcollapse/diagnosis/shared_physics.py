@@ -16,6 +16,8 @@ References
 Brynjarsdottir & O'Hagan (2014), Inverse Problems 30, 114007 (a discrepancy that knows physics extrapolates).
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
 
@@ -34,7 +36,13 @@ SCALES = (
 )  # of the discrepancy that is left beside the effect, over that without it
 
 
-def shared_physics(columns, given, gap, known, discrepancy):
+def shared_physics(
+    columns: Mapping[str, np.ndarray],
+    given: np.ndarray,
+    gap: np.ndarray,
+    known: np.ndarray,
+    discrepancy: np.ndarray,
+) -> dict[str, float]:
     """{effect: share} of what the controls show; empty where no effect of the catalogue explains their gaps better.
 
     Parameters
@@ -60,7 +68,7 @@ def shared_physics(columns, given, gap, known, discrepancy):
             for name, rows in columns.items()
         }
         views.append((white, solve_triangular(factor, gap[given], lower=True), factor))
-    chosen, best = {}, max((log_evidence(view, {}) for view in views), default=0.0)
+    chosen, best = {}, max((log_evidence(view, {}) for view in views), default=0.0)  # type: ignore[var-annotated]
     for _ in range(MOST if views else 0):
         logs = {
             name: max(log_evidence(view, chosen | {name: 1.0}) for view in views)
@@ -76,7 +84,9 @@ def shared_physics(columns, given, gap, known, discrepancy):
     return chosen
 
 
-def log_evidence(view, shares):
+def log_evidence(
+    view: tuple[dict[str, np.ndarray], np.ndarray, np.ndarray], shares: Mapping[str, float]
+) -> float:
     """Ln p of the gaps of the controls, up to a constant, with some effects (Woodbury)."""
     white, gap, factor = view
     value = -0.5 * gap @ gap - np.log(np.diag(factor)).sum()
@@ -89,7 +99,9 @@ def log_evidence(view, shares):
     return float(value - 0.5 * log_determinant + 0.5 * met @ np.linalg.solve(inner, met))
 
 
-def covariance_of(columns, shares, count):
+def covariance_of(
+    columns: Mapping[str, np.ndarray], shares: Mapping[str, float], count: int
+) -> np.ndarray:
     """Sum of share x W_j over some effects, (count, count)."""
     total = np.zeros((count, count))
     for name, share in shares.items():

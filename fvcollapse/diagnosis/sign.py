@@ -10,6 +10,9 @@ with the covariance U + s^2 K_delta of the gap at the s at which effects are com
 parameters are in U: what they can move is no gap.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.stats import chi2
@@ -17,6 +20,10 @@ from scipy.stats import chi2
 from fvcollapse.diagnosis.likelihood import level_weights
 from fvcollapse.diagnosis.names import effects_of
 from fvcollapse.diagnosis.quadrature import first_nodes
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence
+    from fvcollapse.diagnosis.likelihood import ResponseColumns
 
 DISCREPANCY = 0.2  # s, as of `separability`
 SIGNIFICANT = 0.01  # p-value of the gap of an observable below which it has one
@@ -38,7 +45,13 @@ class Direction:
         False where the measurement is a bound: that does not count here.
     """
 
-    def __init__(self, covariance, columns, observable, is_value):
+    def __init__(
+        self,
+        covariance: np.ndarray,
+        columns: np.ndarray,
+        observable: np.ndarray,
+        is_value: np.ndarray,
+    ) -> None:
         self.covariance, self.columns = covariance, columns
         self.sigma = np.sqrt(np.diag(covariance))
         self.rows = {
@@ -46,9 +59,9 @@ class Direction:
             for name in dict.fromkeys(observable)
             if (is_value & (observable == name)).any()
         }
-        self.factors = {}
+        self.factors: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def whitened(self, rows):
+    def whitened(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(factor, columns) of some points: lower Cholesky factor, and the columns whitened with it."""
         key = rows.tobytes()
         if key not in self.factors:
@@ -56,7 +69,7 @@ class Direction:
             self.factors[key] = factor, solve(factor, self.columns[rows])
         return self.factors[key]
 
-    def significant(self, gap):
+    def significant(self, gap: np.ndarray) -> np.ndarray:
         """Points (m,) of the observables whose gap (N,) is significant, each judged by itself."""
         found = [np.empty(0, int)]
         for rows in self.rows.values():
@@ -65,7 +78,9 @@ class Direction:
                 found.append(rows)
         return np.sort(np.concatenate(found))
 
-    def closes(self, gap, rows, closures):
+    def closes(
+        self, gap: np.ndarray, rows: np.ndarray, closures: "Sequence[ResponseColumns]"
+    ) -> float | None:
         """Largest share of the misfit of some points that any strength of an effect takes away; below 0 none does.
 
         Parameters
@@ -95,7 +110,7 @@ class Direction:
             least = min(least, float(change.min()))
         return -least / before
 
-    def worsens(self, gap, difference):
+    def worsens(self, gap: np.ndarray, difference: np.ndarray) -> tuple[str, ...]:
         """Observables whose rms misfit a difference (N,) makes larger by more than `WORSE`, the worst first."""
         growth = {}
         for name, rows in self.rows.items():
@@ -108,12 +123,12 @@ class Direction:
         return tuple(sorted(worse, key=lambda name: -growth[name]))
 
 
-def solve(factor, columns):
+def solve(factor: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """Inverse of a lower Cholesky factor times columns."""
     return solve_triangular(factor, columns, lower=True, check_finite=False)
 
 
-def ruled_out(evidence):
+def ruled_out(evidence: "Evidence") -> dict[str, str]:
     """{effect: reason} of the single effects that cannot close the gap in any direction of their prior.
 
     Without a significant gap none is ruled out: there is nothing to close.

@@ -4,17 +4,22 @@ A laboratory that measured the friction on its lateral walls knows it better tha
 the angles at which its grains stop and start knows by how much they strengthen at rest.
 """
 
+from collections.abc import Sequence
 from math import cos, hypot, radians, sqrt, tan
+from typing import TYPE_CHECKING
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.measure.experiment import Experiment
 
 FAR = 3.0  # standard deviations from zero at which a positive quantity may be normal
 SD_LEAST = 1.0e-3  # of a friction coefficient: one that is stated without any error
 GRADE = "stated"
 
 
-def priors_of(effect, experiments=()):
+def priors_of(effect: str, experiments: "Sequence[Experiment]" = ()) -> dict[str, Prior]:
     """{parameter: `Prior`} of an effect of the catalogue.
 
     What the experiments state replaces the prior of the catalogue if all of them state the same.
@@ -33,7 +38,7 @@ def priors_of(effect, experiments=()):
     return priors
 
 
-def stated_mu_wall(experiment):
+def stated_mu_wall(experiment: "Experiment") -> Prior | None:
     """`Prior` of the friction on the lateral walls; None if it is not stated."""
     mu_wall = experiment.stated("material.mu_wall")
     if mu_wall is None:
@@ -41,7 +46,7 @@ def stated_mu_wall(experiment):
     return around(mu_wall, experiment.standard_deviation("mu_wall", mu_wall), "material.mu_wall")
 
 
-def stated_delta_mu(experiment):
+def stated_delta_mu(experiment: "Experiment") -> Prior | None:
     """`Prior` of the static friction above mu(I), tan(avalanche) - tan(repose); None if one angle is not stated."""
     names = ("avalanche_angle_deg", "repose_angle_deg")
     angles = [experiment.stated(f"material.{name}") for name in names]
@@ -56,7 +61,7 @@ def stated_delta_mu(experiment):
     return around(tan(start) - tan(stop), hypot(*errors), source)
 
 
-def around(mean, sd, source):
+def around(mean: float, sd: float, source: str) -> Prior | None:
     """`Prior` of a positive number of a mean and a standard deviation: near zero uniform, cut at zero.
 
     None where all of it would be cut.

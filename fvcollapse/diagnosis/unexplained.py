@@ -2,39 +2,43 @@
 
 The remainder is the gap (simulated - measured) with the response to the best hypothesis of the catalogue added where
 that closes half of it, else the gap itself: what a wrong effect leaves has the form of that effect too. Its
-significant regions are found as those of the gap map. Every point of them
-has a place in the pile, a phase of the collapse, and says whether the simulated grains move too easily (+1) or not
-easily enough (-1): a front too far, too much at the front or too little at the back wall is +1, a static-flowing
-interface too high is -1; a thickness in the middle, through which the grains pass, and a volume say neither. Shares
-are those of the sum of z^2 over all points of the regions.
+significant regions are found as those of the gap map. Every point of them has a place in the pile, a phase of the
+collapse, and says whether the simulated grains move too easily (+1) or not easily enough (-1): a front too far, too
+much at the front or too little at the back wall is +1, an interface too high is -1; a thickness in the middle says
+neither, nor does a volume. Shares are those of the sum of z^2.
 
 Likeness is the cosine between the whitened remainder, with the sign turned, and a whitened response: +1 is an effect
-that would take it away, -1 one that acts the other way. What speaks against the effect is its strength (the length
-that is needed over the largest that its prior allows) and the observables that it would make worse.
+that would take it away. What speaks against the effect is its strength (the length that is needed over the
+largest that its prior allows) and the observables that it would make worse.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from fvcollapse.diagnosis.gap_map import beyond_bounds, significant_regions
+from fvcollapse.diagnosis.gap_map import Region, beyond_bounds, significant_regions
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.practical import sizes_left
 from fvcollapse.diagnosis.separability import DISCREPANCY
 from fvcollapse.measure.quantities import QUANTITIES
 
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.evidence import Hypothesis
+    from fvcollapse.diagnosis.points import Block, Points
+    from fvcollapse.diagnosis.report.parts import Range
+    from fvcollapse.measure.experiment import Experiment
+
+    Pair = tuple[np.ndarray, np.ndarray]
+
 FRONT, THIN, MIDDLE, BACK, PILE = "front", "thin part", "middle", "back wall", "whole pile"
 THIN_SHARE = 0.1  # of the height of the column: layers that are thinner are thin
 BACK_SHARE = 0.5  # of the length of the column: places that are nearer are at the back wall
 AHEAD = 0.5  # of the way to the front from which thin layers belong to the front part
-EASY = {
-    FRONT: 1,
-    THIN: 1,
-    MIDDLE: 0,
-    BACK: -1,
-    PILE: 0,
-}  # what a value too large says of the motion
+EASY = {FRONT: 1, THIN: 1, MIDDLE: 0, BACK: -1, PILE: 0}  # what a value too large says of motion
 RESEMBLES = 0.3  # cosine from which an effect is named
 MOST_ALIKE = 3  # effects that are named
 HALF = 0.5  # share of the gap from which a hypothesis counts as explaining it
@@ -84,7 +88,7 @@ class Likeness(NamedTuple):
     effect: str
     cosine: float
     strength: float
-    worse: tuple
+    worse: tuple[str, ...]
 
 
 class Unexplained(NamedTuple):
@@ -92,25 +96,16 @@ class Unexplained(NamedTuple):
 
     Attributes
     ----------
-    beside : str
-        Hypothesis whose response has been taken off; "none": the whole gap.
-    p_value : float
-        Chi-square check of what that leaves.
+    beside, p_value : str, float
+        Hypothesis whose response has been taken off ("none": the whole gap); chi-square check of what that leaves.
     z : (N,) array
         What is left, simulated - measured, in combined standard uncertainties.
-    regions : tuple of gap_map.Region
-        Its significant ones; without any there are no shares and no sizes.
-    shares : tuple of Share
-        The largest first.
-    sizes : tuple of Size
+    regions, shares, sizes : tuples of gap_map.Region, Share, Size
+        Its significant regions, without which there are no shares and no sizes; the largest share first.
     direction : float
         From -1 to 1, of everything; 0 also where nothing says it.
-    experiment : str
-        That which has most of it.
-    t_range : (float, float) or None
-        First and last time of its regions [s].
-    span : (float, float) or None
-        First and last time that was compared there [s].
+    experiment, t_range, span : str, (float, float) or None, (float, float) or None
+        That which has most of it; first and last time of its regions, and of all that was compared there [s].
     resembles : tuple of Likeness
         The most alike first, at most three.
     """
@@ -118,20 +113,20 @@ class Unexplained(NamedTuple):
     beside: str
     p_value: float
     z: np.ndarray
-    regions: tuple
-    shares: tuple
-    sizes: tuple
+    regions: tuple[Region, ...]
+    shares: tuple[Share, ...]
+    sizes: tuple[Size, ...]
     direction: float
     experiment: str
-    t_range: tuple | None
-    span: tuple | None
-    resembles: tuple
+    t_range: "Range | None"
+    span: "Range | None"
+    resembles: tuple[Likeness, ...]
 
 
-def unexplained(analysis):
-    """The `Unexplained` part of the gap of an `Analysis`."""
+def unexplained(analysis: "Analysis", names: "Collection[str] | None" = None) -> Unexplained:
+    """The `Unexplained` part of the gap of an `Analysis`; `names`: hypotheses that a verdict compares, default all."""
     points, covariance = analysis.points, analysis.covariance
-    best = explaining(analysis)
+    best = explaining(analysis, names)
     gap = analysis.gap + best.difference
     remainder = beyond_bounds(points, gap)
     z = remainder / np.sqrt(np.diag(covariance))
@@ -155,10 +150,11 @@ def unexplained(analysis):
     )
 
 
-def explaining(analysis):
-    """The best `Hypothesis` of the catalogue if it closes half of the gap; else that of none."""
+def explaining(analysis: "Analysis", names: "Collection[str] | None" = None) -> "Hypothesis":
+    """The best `Hypothesis` of the catalogue, of some names, if it closes half of the gap; else that of none."""
     hypotheses, sizes = analysis.evidence.hypotheses, sizes_left(analysis)
-    best = next(name for name in hypotheses if name != UNKNOWN)
+    compared = hypotheses if names is None else [name for name in hypotheses if name in names]
+    best = next(name for name in compared if name != UNKNOWN)
     closes = best != NONE and sizes[best] <= HALF * sizes[NONE] and sizes[NONE] > 0.0
     return hypotheses[best if closes else NONE]
 
@@ -166,7 +162,7 @@ def explaining(analysis):
 # -- where and when ------------------------------------------------------------------------------
 
 
-def places_of(points, simulated):
+def places_of(points: "Points", simulated: np.ndarray) -> np.ndarray:
     """Place of each point in the pile, (N,): `FRONT`, `THIN`, `MIDDLE`, `BACK` or `PILE`."""
     places = np.full(len(points), MIDDLE, object)
     for block in points.blocks:
@@ -178,15 +174,15 @@ def places_of(points, simulated):
         if block.observable == "profiles":
             heights = points.measured[own], simulated[own]
             places[own] = places_along(block, heights, experiment)
-        near = block.x < BACK_SHARE * experiment.settings.geometry.length_0
+        near = block.x < BACK_SHARE * experiment.settings.geometry.length_0  # type: ignore[operator]
         places[own][near] = BACK
     return places
 
 
-def places_along(block, heights, experiment):
+def places_along(block: "Block", heights: "Pair", experiment: "Experiment") -> np.ndarray:
     """Places (n,) of a profile whose thicknesses are measured and simulated, (n,) each."""
     places, threshold = np.full(len(block.x), MIDDLE, object), experiment.case().front.thickness
-    thin = np.maximum(*heights) < THIN_SHARE * experiment.settings.geometry.height_0
+    thin = np.maximum(*heights) < THIN_SHARE * experiment.settings.geometry.height_0  # type: ignore[operator]
     for moment in np.unique(block.time):
         rows = np.flatnonzero(block.time == moment)
         ends = [block.x[rows][h[rows] >= threshold].max(initial=0.0) for h in heights]
@@ -196,7 +192,7 @@ def places_along(block, heights, experiment):
     return places
 
 
-def motion_of(points, place, remainder):
+def motion_of(points: "Points", place: np.ndarray, remainder: np.ndarray) -> np.ndarray:
     """+1 where the simulated grains move too easily, -1 where not easily enough, 0 where it does not say, (N,)."""
     easy = np.array([EASY[each] for each in place])
     for block in points.blocks:
@@ -208,7 +204,9 @@ def motion_of(points, place, remainder):
     return easy * np.sign(remainder)
 
 
-def shares_of(place, phase, weight, easy):
+def shares_of(
+    place: np.ndarray, phase: np.ndarray, weight: np.ndarray, easy: np.ndarray
+) -> tuple[Share, ...]:
     """The `Share`s of the weight (N,), the largest first; what has none is left out."""
     total, shares = weight.sum(), []
     for where, when in dict.fromkeys(zip(place.tolist(), phase.tolist(), strict=True)):
@@ -219,26 +217,28 @@ def shares_of(place, phase, weight, easy):
     return tuple(sorted(shares, key=lambda one: -one.share))
 
 
-def direction_of(weight, easy):
+def direction_of(weight: np.ndarray, easy: np.ndarray) -> float:
     """Mean of `motion_of` over the points that say it; 0 without any."""
     total = float((weight * np.abs(easy)).sum())
     return float((weight * easy).sum()) / total if total > 0.0 else 0.0
 
 
-def moments_of(points, weight):
+def moments_of(points: "Points", weight: np.ndarray) -> "tuple[str, Range | None, Range | None]":
     """(experiment, range of its times with weight, range of all its times) of the one with most weight."""
     sums = {name: weight[points.of(name)].sum() for name in points.names}
-    name = max(sums, key=sums.get)
+    name = max(sums, key=sums.get)  # type: ignore[arg-type]
     own = points.of(name)
     time, here = points.time[own], weight[own] > 0.0
     timed = np.isfinite(time)
     if not (timed & here).any():
         return name, None, None
     ranges = [time[rows] for rows in (timed & here, timed)]
-    return name, *((float(some.min()), float(some.max())) for some in ranges)
+    return name, *((float(some.min()), float(some.max())) for some in ranges)  # type: ignore[return-value]
 
 
-def sizes_of(points, remainder, z, own):
+def sizes_of(
+    points: "Points", remainder: np.ndarray, z: np.ndarray, own: np.ndarray
+) -> tuple[Size, ...]:
     """The `Size` of every observable that has points among `own`."""
     observable, sizes = points.observable, []
     units = {block.observable: block.units for block in points.blocks}
@@ -253,7 +253,7 @@ def sizes_of(points, remainder, z, own):
 # -- what it resembles -----------------------------------------------------------------------------
 
 
-def likenesses(analysis, gap, without):
+def likenesses(analysis: "Analysis", gap: np.ndarray, without: list[str]) -> tuple[Likeness, ...]:
     """The `Likeness` of the effects that resemble what is left of a gap (N,), those of `without` left out."""
     points = analysis.points
     covariance = analysis.covariance + DISCREPANCY**2 * analysis.kernel
@@ -271,7 +271,9 @@ def likenesses(analysis, gap, without):
     return tuple(sorted(found, key=lambda one: -abs(one.cosine))[:MOST_ALIKE])
 
 
-def likeness(name, points, gap, wanted, levels):
+def likeness(
+    name: str, points: "Points", gap: np.ndarray, wanted: np.ndarray, levels: "Pair"
+) -> Likeness:
     """The `Likeness` of an effect whose levels are given, (m, N), plain and whitened."""
     runs, white = levels
     lengths = np.linalg.norm(white, axis=1)
@@ -286,7 +288,7 @@ def likeness(name, points, gap, wanted, levels):
     return Likeness(name, cosine, needed / largest, made_worse(points, gap, change))
 
 
-def made_worse(points, gap, change):
+def made_worse(points: "Points", gap: np.ndarray, change: np.ndarray) -> tuple[str, ...]:
     """Observables whose gap (N,) a change (N,) enlarges."""
     observable, worse = points.observable, []
     before, after = (beyond_bounds(points, values) for values in (gap, gap + change))

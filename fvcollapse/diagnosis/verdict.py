@@ -11,15 +11,16 @@ An effect that was added to the catalogue after the fit is judged by its tempere
 the model (`new_effects`).
 
 Diagnoses with controls have a model of their own, fitted to laboratories whose physics the believed model lacks.
-Without a model evidences are tempered by `TEMPERATURE`, which is no calibration: probabilities are capped, and there
-are no conformal p-values.
+Without a model evidences are tempered (`temperature`), which is no calibration: probabilities are capped, and there are
+no conformal p-values. "none" is given up where it fails its predictive check at 5 %.
 
 References
 ----------
 Vovk, Gammerman & Shafer (2005), Algorithmic Learning in a Random World (conformal prediction).
 """
 
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,8 +28,13 @@ from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.diagnosis.sign import ruled_out
-from fvcollapse.diagnosis.verdict_features import QUIET, TEMPERATURE, asks, balance_logit, class_of
+from fvcollapse.diagnosis.verdict_features import QUIET, asks, balance_logit, class_of, temperature
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence
+    from fvcollapse.diagnosis.separability import Separability
+    from fvcollapse.diagnosis.verdict_model import VerdictModel
 
 RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_RETAINED = 0.05  # and from which "none" is not given up
@@ -57,14 +63,19 @@ class Verdict(NamedTuple):
     """
 
     kind: str
-    effects: tuple
-    indistinguishable: tuple
-    probability: dict
-    set: tuple
-    conformal: dict
+    effects: tuple[str, ...]
+    indistinguishable: tuple[tuple[str, ...], ...]
+    probability: dict[str, float]
+    set: tuple[str, ...]
+    conformal: dict[str, float]
 
 
-def verdict(evidence, model=None, separability=None, known=None):
+def verdict(
+    evidence: "Evidence",
+    model: "VerdictModel | None" = None,
+    separability: "Separability | None" = None,
+    known: "Evidence | None" = None,
+) -> Verdict:
     """The `Verdict` of an evidence.
 
     Parameters
@@ -85,7 +96,12 @@ def verdict(evidence, model=None, separability=None, known=None):
     return excluding(answer, ruled_out(evidence), separability)
 
 
-def probable(evidence, model, separability, known):
+def probable(
+    evidence: "Evidence",
+    model: "VerdictModel | None",
+    separability: "Separability | None",
+    known: "Evidence | None",
+) -> Verdict:
     """The `Verdict` before the sign of the effects is looked at; parameters as of `verdict`."""
     new = () if model is None else new_hypotheses(evidence, model.classes)
     known = without(evidence, new) if known is None else known
@@ -114,7 +130,9 @@ def probable(evidence, model, separability, known):
     )
 
 
-def excluding(answer, names, separability):
+def excluding(
+    answer: Verdict, names: Collection[str], separability: "Separability | None"
+) -> Verdict:
     """The `Verdict` with no probability for some single effects; the others share it in proportion."""
     if not any(answer.probability.get(name) for name in names):
         return answer
@@ -128,25 +146,28 @@ def excluding(answer, names, separability):
     return finished(best, probability, retained, answer.conformal, separability)
 
 
-def is_clear(name, probability):
+def is_clear(name: str, probability: Mapping[str, float]) -> bool:
     """Whether a hypothesis is so much more probable than none that no predictive check counts."""
     return probability[name] > CLEAR * probability[NONE]
 
 
-def tempered(evidence, separability):
+def tempered(evidence: "Evidence", separability: "Separability | None") -> Verdict:
     """The verdict without a model.
 
-    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none.
+    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none. Where it
+    fails the check no set holds "none", and the others of the set stay.
     """
     probability = in_order(capped(tempered_shares(evidence), CAP))
-    retained = smallest_set(probability, 1.0 - RETAINED)
     passes = evidence.hypotheses[NONE].p_value >= NONE_RETAINED
+    retained = smallest_set(probability, 1.0 - RETAINED)
+    if not passes and len(retained) > 1:
+        retained = tuple(name for name in retained if name != NONE)
     clear = is_clear(retained[0], probability)
     best = NONE if passes and NONE in retained and not clear else retained[0]
     return finished(best, probability, retained, {}, separability)
 
 
-def tempered_shares(evidence):
+def tempered_shares(evidence: "Evidence") -> dict[str, float]:
     """{hypothesis: probability} of tempered evidences and the prior of the classes.
 
     The prior is that of a model. Two effects together count if the best single one fails its check:
@@ -160,14 +181,14 @@ def tempered_shares(evidence):
     classes = tuple(dict.fromkeys(class_of(name) for name in names))
     prior = class_prior(classes)
     pairs = sum("+" in name for name in names)
-    logs = [hypotheses[name].log_evidence / TEMPERATURE for name in names]
+    logs = [hypotheses[name].log_evidence / temperature(evidence) for name in names]
     logs += np.log([prior[class_of(name)] / (pairs if "+" in name else 1) for name in names])
     logs += [balance_logit(evidence, name) for name in names]
-    logs -= [QUIET * (name == UNKNOWN and not asks(evidence)) for name in names]
+    logs -= [QUIET * (name == UNKNOWN and not asks(evidence)) for name in names]  # type: ignore[operator]
     return dict(zip(names, softmax(np.array(logs)).tolist(), strict=True))
 
 
-def is_open(name, probability, conformal):
+def is_open(name: str, probability: Iterable[str], conformal: Mapping[str, float]) -> bool:
     """Whether a hypothesis is left open; of several pairs only the most probable can be."""
     if name == NONE:
         return conformal[name] >= NONE_RETAINED
@@ -175,7 +196,7 @@ def is_open(name, probability, conformal):
     return conformal[name] >= RETAINED and ("+" not in name or name == first)
 
 
-def named(evidence, shares):
+def named(evidence: "Evidence", shares: Mapping[str, float]) -> dict[str, float]:
     """{hypothesis: probability}: that of two effects is shared among the pairs that were opened."""
     probability = {name: share for name, share in shares.items() if name != SEVERAL}
     pairs = {name: hypothesis for name, hypothesis in evidence.hypotheses.items() if "+" in name}
@@ -189,9 +210,9 @@ def named(evidence, shares):
     return probability
 
 
-def capped(shares, cap):
+def capped(shares: dict[str, float], cap: float) -> dict[str, float]:
     """Probabilities none of which is above the cap; the others share what is cut off."""
-    name = max(shares, key=shares.get)
+    name = max(shares, key=shares.get)  # type: ignore[arg-type]
     if shares[name] <= cap or len(shares) == 1:
         return shares
     remainder = sum(
@@ -206,18 +227,26 @@ def capped(shares, cap):
     }
 
 
-def in_order(shares):
+def in_order(shares: Mapping[str, float]) -> dict[str, float]:
     """The most probable first, summing to one."""
     total = sum(shares.values())
     return {name: shares[name] / total for name in sorted(shares, key=lambda other: -shares[other])}
 
 
-def finished(best, probability, retained, conformal, separability):
+def finished(
+    best: str,
+    probability: dict[str, float],
+    retained: tuple[str, ...],
+    conformal: dict[str, float],
+    separability: "Separability | None",
+) -> Verdict:
     """The `Verdict` for a hypothesis."""
     effects = effects_of(best)
     kind = best if not effects else (SEVERAL if len(effects) > 1 else EFFECT)
     open_effects = tuple(n for n in retained if n not in (NONE, UNKNOWN) and "+" not in n)
-    groups = list(separability.classes) if separability is not None else []
+    groups: list[tuple[str, ...]] | tuple[tuple[str, ...], ...] = (
+        list(separability.classes) if separability is not None else []
+    )
     if len(open_effects) > 1 and not any(set(open_effects) <= set(group) for group in groups):
         groups = [group for group in groups if not set(group) <= set(open_effects)]
         groups.insert(0, open_effects)

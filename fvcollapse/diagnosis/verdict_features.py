@@ -4,11 +4,18 @@ Two things are no features but odds of their own, known before any fit: what the
 says, and how far something unknown is ahead of all else.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.special import logsumexp
 
 from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
+    from fvcollapse.diagnosis.left import Left
 
 TEMPERATURE = 10.0  # without a model
 NEAR = 20.0  # logarithm of an evidence ratio up to which it counts in proportion
@@ -36,7 +43,7 @@ CASE_FEATURES = (
 )
 
 
-def features(evidence, classes):
+def features(evidence: "Evidence", classes: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Features of a hypothesis of every class (K, `FEATURES`) and of the case (`CASE_FEATURES`).
 
     NaN where a class was not compared; of two effects together the best pair counts.
@@ -82,19 +89,19 @@ def features(evidence, classes):
     return rows, np.array([values[name] for name in CASE_FEATURES])
 
 
-def shape_of(hypothesis):
+def shape_of(hypothesis: "Hypothesis") -> tuple[float, float]:
     """Logarithms of the discrepancy and of the mean square outside the responses."""
     outside = max(hypothesis.residual_outside, LEAST_SHARE)
     return float(np.log(hypothesis.sigma)), float(np.log(outside))
 
 
-def sign_of(hypothesis):
+def sign_of(hypothesis: "Hypothesis") -> tuple[float, float]:
     """Share of the significant gap that any strength closes (NaN where that is not asked), observables made worse."""
     closes = np.nan if hypothesis.closes is None else max(hypothesis.closes, 0.0)
     return closes, float(len(hypothesis.worsens))
 
 
-def left_over(left):
+def left_over(left: "Left | None") -> dict[str, float]:
     """{feature of the case: value} of `Left`."""
     if left is None:
         return {"regions": 0.0, "practical": 0.0}
@@ -102,17 +109,17 @@ def left_over(left):
     return {"regions": float(np.log1p(left.regions)), "practical": float(np.log(ratio))}
 
 
-def signed_log(value):
+def signed_log(value: float) -> float:
     """ln(1 + |value|) with the sign of the value."""
     return float(np.sign(value) * np.log1p(abs(value)))
 
 
-def class_of(cause):
+def class_of(cause: str) -> str:
     """Class of a cause: two effects together are one class."""
     return SEVERAL if "+" in cause else cause
 
 
-def known_logits(evidence, classes):
+def known_logits(evidence: "Evidence", classes: Sequence[str]) -> np.ndarray:
     """Logarithms (K,) of odds of the classes that need no fit.
 
     Those that they give to the mass balance of the profiles, of two effects the mean odds; and, where the evidence of
@@ -131,12 +138,21 @@ def known_logits(evidence, classes):
     return odds
 
 
-def asks(evidence):
+def temperature(evidence: "Evidence") -> float:
+    """What evidences are tempered by without a model.
+
+    Their errors hang together, so that the values of a film count as fewer. All of them count as one value at
+    least, so that the temperature is no higher than their number.
+    """
+    return TEMPERATURE if evidence.values is None else min(TEMPERATURE, float(evidence.values))
+
+
+def asks(evidence: "Evidence") -> bool:
     """Whether anything asks for an explanation: a significant region of the gap, or all points taken together."""
     left = evidence.left
     return left is None or left.regions > 0 or evidence.hypotheses[NONE].p_value < CHECK_PASSED
 
 
-def balance_logit(evidence, name):
+def balance_logit(evidence: "Evidence", name: str) -> float:
     """`MassBalance.logit` of a hypothesis, 0 without a balance."""
     return 0.0 if evidence.balance is None else evidence.balance.logit(name)

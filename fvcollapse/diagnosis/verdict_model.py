@@ -11,8 +11,10 @@ in Frontiers in Econometrics, 105 (conditional logit).
 
 import hashlib
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +27,9 @@ from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.evidence import Evidence
 
 FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 4
 # of diagnoses without controls, and with them
@@ -61,8 +66,8 @@ class VerdictModel:
         What the suite was.
     """
 
-    effects: tuple
-    classes: tuple
+    effects: tuple[str, ...]
+    classes: tuple[str, ...]
     mean: np.ndarray
     scale: np.ndarray
     case_mean: np.ndarray
@@ -70,12 +75,12 @@ class VerdictModel:
     slopes: np.ndarray
     case_slopes: np.ndarray
     intercept: np.ndarray
-    calibration: dict
+    calibration: dict[str, np.ndarray]
     solver: str = ""
-    about: dict = field(default_factory=dict)
+    about: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def load(cls, path=None, controls=False):
+    def load(cls, path: str | Path | None = None, controls: bool = False) -> "VerdictModel | None":
         """The model in a file; of the package, if it ships one, else None.
 
         Parameters
@@ -95,25 +100,25 @@ class VerdictModel:
             return None
         return from_json(read_text(path or shipped, "JSON"), path or shipped)
 
-    def save(self, path=SHIPPED):
+    def save(self, path: str | Path = SHIPPED) -> None:
         """Write the model with its hash."""
         write_atomic(path, to_json(self).encode(), running=False)
 
     @property
-    def is_of_this_solver(self):
+    def is_of_this_solver(self) -> bool:
         """Whether the suite was computed with the present solver, effects that are new left aside."""
         return self.solver == solver_of(self.effects)
 
-    def covers(self, evidence):
+    def covers(self, evidence: "Evidence") -> bool:
         """Whether the suite had cases of every effect of an evidence."""
         return not new_hypotheses(evidence, self.classes)
 
-    def judges(self, evidence):
+    def judges(self, evidence: "Evidence") -> bool:
         """Whether the suite had cases of none, of unknown, and of an effect of an evidence."""
         known = set(evidence.hypotheses) & set(self.classes)
         return {NONE, UNKNOWN} < known
 
-    def probabilities(self, evidence):
+    def probabilities(self, evidence: "Evidence") -> dict[str, float]:
         """{class: probability} of the classes that were compared."""
         rows, case = features(evidence, self.classes)
         compared = ~np.isnan(rows[:, 0])
@@ -128,7 +133,7 @@ class VerdictModel:
         pairs = zip(self.classes, shares.tolist(), compared, strict=True)
         return {name: share for name, share, rows in pairs if rows}
 
-    def conformal(self, probabilities):
+    def conformal(self, probabilities: Mapping[str, float]) -> dict[str, float]:
         """{class: conformal p-value}: share of the cases whose true cause was as improbable, or more so.
 
         Classes count as their prior; "none" is judged among the cases of none.
@@ -136,8 +141,8 @@ class VerdictModel:
         p_values, prior = {}, class_prior(self.classes)
         count = sum(len(scores) for scores in self.calibration.values())
         for name, probability in probabilities.items():
-            stranger = {
-                cause: np.count_nonzero(scores >= 1.0 - probability)
+            stranger: dict[str, int] = {
+                cause: np.count_nonzero(scores >= 1.0 - probability)  # type: ignore[misc]
                 for cause, scores in self.calibration.items()
             }
             if name == NONE:
@@ -151,24 +156,30 @@ class VerdictModel:
         return p_values
 
     @property
-    def cap(self):
+    def cap(self) -> float:
         """Largest probability that the number of cases supports."""
         count = sum(len(scores) for scores in self.calibration.values())
         return 1.0 - 1.0 / (count + 1.0)
 
 
-def softmax(logits):
+def softmax(logits: np.ndarray) -> np.ndarray:
     """Probabilities (..., K) of logits."""
     shares = np.exp(logits - logits.max(axis=-1, keepdims=True))
     return shares / shares.sum(axis=-1, keepdims=True)
 
 
-def standardised(values, mean, scale):
+def standardised(values: np.ndarray, mean: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Features less their mean, in standard deviations; 0 where there are none."""
     return np.nan_to_num(np.clip((values - mean) / scale, -FARTHEST, FARTHEST))
 
 
-def logits(own, case, offset, compared, coefficients):
+def logits(
+    own: np.ndarray,
+    case: np.ndarray,
+    offset: np.ndarray,
+    compared: np.ndarray,
+    coefficients: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> np.ndarray:
     """Logits (..., K) of standardised features (..., K, p) and (..., q) and of known ones (..., K).
 
     `coefficients` are slopes, slopes of a case and intercept; -inf where nothing was compared.
@@ -178,13 +189,13 @@ def logits(own, case, offset, compared, coefficients):
     return np.where(compared, values, -np.inf)
 
 
-def solver_of(effects):
+def solver_of(effects: Sequence[str]) -> str:
     """`solver_version` with some effects; errors of the set-up act in every diagnosis and always count."""
     errors = [name for name, effect in CATALOGUE.items() if effect.kind == NUISANCE]
     return solver_version((*effects, *errors))
 
 
-def class_prior(classes):
+def class_prior(classes: Sequence[str]) -> dict[str, float]:
     """{class: prior probability}."""
     given = {name: share for name, share in PRIOR.items() if name in classes}
     single = [name for name in classes if name not in given]
@@ -193,7 +204,7 @@ def class_prior(classes):
     return dict(zip(classes, (prior / prior.sum()).tolist(), strict=True))
 
 
-def to_json(model):
+def to_json(model: VerdictModel) -> str:
     """The model as text, with the hash of everything else in it."""
     content = {
         "format": FORMAT,
@@ -210,7 +221,7 @@ def to_json(model):
     return json.dumps(content | {"hash": digest(content)}, indent=1) + "\n"
 
 
-def from_json(text, source):
+def from_json(text: str, source: str | Path) -> VerdictModel:
     """The model in a text.
 
     Raises
@@ -237,7 +248,7 @@ def from_json(text, source):
         raise InputError(source, "file", f"no model ({type(error).__name__})", allowed) from None
 
 
-def rounded(values):
+def rounded(values: Any) -> Any:
     """An array as nested lists of `DIGITS` significant digits."""
     if isinstance(values, np.ndarray):
         values = values.tolist()
@@ -246,6 +257,6 @@ def rounded(values):
     return float(f"{values:.{DIGITS}g}")
 
 
-def digest(content):
+def digest(content: dict[str, Any]) -> str:
     """Hash of the content of a file."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

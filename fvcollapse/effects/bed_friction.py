@@ -9,12 +9,15 @@ References
 Martin et al. (2017), equation 12.
 """
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class BedFriction(Section):
@@ -29,7 +32,7 @@ class BedFriction(Section):
     ) = None
 
 
-def change_bed(case, section):
+def change_bed(case: "Case", section: BedFriction) -> "Case":
     """Put the friction into boundary.mu_bed."""
     if section.mu_bed is not None:
         case = replace(case, boundary=replace(case.boundary, mu_bed=section.mu_bed))

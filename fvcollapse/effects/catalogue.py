@@ -5,9 +5,14 @@ others are terms of the solver (`fvcollapse/step`) or act on what is observed
 (`fvcollapse/measure/observation.py`). Which is which stands in the file of the effect.
 """
 
+from collections.abc import Iterator
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from fvcollapse.effects.effect import section_of
+from fvcollapse.effects.effect import Effect, section_of
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 NAMES = (
     "lateral_friction",
@@ -26,16 +31,18 @@ NAMES = (
     "column_size",
     "time_origin",
 )
-CATALOGUE = {name: import_module(f"fvcollapse.effects.{name}").EFFECT for name in NAMES}
+CATALOGUE: dict[str, Effect] = {
+    name: import_module(f"fvcollapse.effects.{name}").EFFECT for name in NAMES
+}
 
 
-def effects_on(case):
+def effects_on(case: "Case") -> list[tuple[Effect, Any]]:
     """The effects of a case that are on: (Effect, its section), in the order of the catalogue."""
     pairs = ((effect, section_of(case, name)) for name, effect in CATALOGUE.items())
     return [(effect, section) for effect, section in pairs if section is not None]
 
 
-def with_effects(case):
+def with_effects(case: "Case") -> "Case":
     """The case that the solver runs: effects that change a key are put into that key.
 
     They leave `[effects]` with it, so that a second call changes nothing; without such an effect the
@@ -47,7 +54,7 @@ def with_effects(case):
     return case
 
 
-def refusals(case):
+def refusals(case: "Case") -> Iterator[tuple[str, str, str]]:
     """Triples (key, what was found, what is allowed) of what the effects of a case exclude."""
     for effect, section in effects_on(case):
         if effect.refuse is not None:

@@ -23,7 +23,8 @@ Rumpf (1970), Chem. Ing. Tech. 42, 538: p_c = nu Z F/(pi d2), with the pull-off 
 Rognon, Roux, Naaim & Chevoir (2008), J. Fluid Mech. 596, 21; Berger, Azema, Douce & Radjai (2015), EPL 112, 64004.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
@@ -31,6 +32,9 @@ from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
 from fvcollapse.effects.dilatancy import Dilatancy
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 DILATANCY_FACTOR = 4.0  # K where no effect `dilatancy` says it, its value in SedFoam
 
@@ -49,7 +53,7 @@ class Cohesion(Section):
     ] = 0.0
 
 
-def put_into_keys(case, section):
+def put_into_keys(case: "Case", section: Cohesion) -> "Case":
     """Add kappa_0 to rheology.cohesion, take the loss from nu_eq of `dilatancy`; p_c stays in the section."""
     if section.kappa_0 > 0.0:
         law = replace(case.rheology, cohesion=case.rheology.cohesion + section.kappa_0)
@@ -60,7 +64,7 @@ def put_into_keys(case, section):
     return with_section(case, "cohesion", left)
 
 
-def looser(case, loss):
+def looser(case: "Case", loss: float) -> Dilatancy:
     """The section `dilatancy` of a case, its nu_eq less by `loss`."""
     section = case.effects.dilatancy
     if section is None or section.dilatancy_factor == 0.0:
@@ -75,7 +79,7 @@ def looser(case, loss):
     return replace(section, solid_fraction_critical=section.solid_fraction_critical - loss)
 
 
-def without_yield_stress(case, section):
+def without_yield_stress(case: "Case", section: Cohesion) -> Iterator[tuple[str, str, str]]:
     """The law has a yield stress to which the cohesion adds; adhesion needs friction and the unilateral pressure."""
     if case.rheology.law == "newtonian":
         limit = 'absent with rheology.law = "newtonian", which has no yield stress'

@@ -5,13 +5,17 @@ The same number of cells covers the other length, so that the response is smooth
 Limits: the column is a rectangle of at least four cells, and at least half as long as stated.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.case.limits import ROUND_OFF
 from fvcollapse.effects.effect import NUISANCE, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class ColumnSize(Section):
@@ -21,7 +25,7 @@ class ColumnSize(Section):
     length: Annotated[float, key("m", "added to geometry.length_0", ge=-1000, le=1000)] = 0.0
 
 
-def change_size(case, section):
+def change_size(case: "Case", section: ColumnSize) -> "Case":
     """Add the errors to the sizes, and stretch the cells with the length."""
     geometry, grid = case.geometry, case.grid
     if section.length != 0.0:
@@ -36,7 +40,7 @@ def change_size(case, section):
     return with_section(replace(case, geometry=geometry, grid=grid), "column_size", None)
 
 
-def without_column(case, section):
+def without_column(case: "Case", section: ColumnSize) -> Iterator[tuple[str, str, str]]:
     """The column with its errors is a rectangle of at least four cells, its gate included."""
     geometry, grid = case.geometry, case.grid
     if geometry.polygon is not None:

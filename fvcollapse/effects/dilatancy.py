@@ -11,11 +11,15 @@ References
 Roux & Radjai (1998), in Physics of Dry Granular Media, 229; Pailha & Pouliquen (2009), J. Fluid Mech. 633, 115.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
 from fvcollapse.effects.effect import PHYSICAL, Effect, Field, Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class Dilatancy(Section):
@@ -48,7 +52,7 @@ class Dilatancy(Section):
     ) = None
 
 
-def without_suction_or_friction(case, section):
+def without_suction_or_friction(case: "Case", section: Dilatancy) -> Iterator[tuple[str, str, str]]:
     """Grains under suction have no friction, so contracting against it would be a source of energy."""
     if section.dilatancy_factor > 0.0 and not case.numerics.unilateral:
         yield "numerics.unilateral", "false", "true (no suction) with effects.dilatancy"

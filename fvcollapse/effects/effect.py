@@ -5,9 +5,15 @@ The file `effects/<name>.py` describes an effect and ends with its `EFFECT`; the
 
 from collections.abc import Callable
 from functools import cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from msgspec.structs import replace
+
+if TYPE_CHECKING:
+    from scipy.stats.distributions import rv_frozen
+
+    from fvcollapse.case.case import Case
+    from fvcollapse.case.grammar import Section
 
 PHYSICAL, OBSERVATION, NUISANCE = "physical", "observation", "nuisance"
 
@@ -36,18 +42,18 @@ class Prior(NamedTuple):
     source: str
     strong_end: str = "high"
 
-    def distribution(self):
+    def distribution(self) -> "rv_frozen":
         """The frozen distribution of scipy.stats; its `ppf` is the quantile coordinate."""
         return frozen(self.kind, self.first, self.second)
 
-    def at(self, strength):
+    def at(self, strength: float) -> float:
         """Value at a strength in (0, 1): the quantile, counted from the end of the weak effect."""
         quantile = strength if self.strong_end == "high" else 1.0 - strength
         return float(self.distribution().ppf(quantile))
 
 
 @cache
-def frozen(kind, first, second):
+def frozen(kind: str, first: float, second: float) -> "rv_frozen":
     """The frozen distribution of a `Prior`; to make one takes a millisecond."""
     from scipy import stats
 
@@ -138,23 +144,25 @@ class Effect(NamedTuple):
     needs_walls: bool = False
     zero: tuple = ({},)
 
-    def keys(self, strength, variant=None):
+    def keys(
+        self, strength: float, variant: dict[str, float | str | None] | None = None
+    ) -> dict[str, float | str]:
         """Keys of the section with every parameter at one strength in (0, 1); default: the first variant."""
         variant = self.variants[0] if variant is None else variant
         values = {name: prior.at(strength) for name, prior in self.priors.items()}
         return {name: value for name, value in (values | variant).items() if value is not None}
 
     @property
-    def only_seen(self):
+    def only_seen(self) -> bool:
         """Whether the effect leaves the flow as it is, whatever its keys."""
         return set(self.seen_keys) == set(self.section.__struct_fields__)
 
 
-def section_of(case, name):
+def section_of(case: "Case", name: str) -> Any:
     """The section of an effect in a case; None where the effect is off."""
     return getattr(case.effects, name)
 
 
-def with_section(case, name, section):
+def with_section(case: "Case", name: str, section: "Section | None") -> "Case":
     """The case with another section of an effect; None switches the effect off."""
     return replace(case, effects=replace(case.effects, **{name: section}))

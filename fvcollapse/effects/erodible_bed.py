@@ -7,11 +7,15 @@ Limits: the layer must rest by itself, tan(slope) < mu_1 and mu_bed, and must be
 the column is a rectangle.
 """
 
+from collections.abc import Iterator
 from math import atan, degrees, radians, tan
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fvcollapse.case.grammar import Section, key, show
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class ErodibleBed(Section):
@@ -20,7 +24,7 @@ class ErodibleBed(Section):
     thickness: Annotated[float, key("m", "thickness of the layer", ge=0, le=1000)] = 0.0
 
 
-def without_rest(case, section):
+def without_rest(case: "Case", section: ErodibleBed) -> Iterator[tuple[str, str, str]]:
     """The layer rests by itself, is no film, and has nothing but itself at its end."""
     if section.thickness == 0.0:
         return
@@ -42,7 +46,7 @@ def without_rest(case, section):
         yield "geometry.slope_angle_deg", f"{slope:g}", limit
 
 
-def friction_at_rest(case):
+def friction_at_rest(case: "Case") -> float:
     """Friction coefficient inside the layer at rest: loose grains rub less until they are compacted."""
     inside, dilatancy = case.rheology.mu_1, case.effects.dilatancy
     if dilatancy is not None:

@@ -10,11 +10,15 @@ Pouliquen & Forterre (2002), J. Fluid Mech. 453, 133; Edwards, Russell, Johnson 
 875, 1058.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
 from fvcollapse.effects.effect import PHYSICAL, Effect, Field, Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class FrictionHysteresis(Section):
@@ -29,7 +33,7 @@ class FrictionHysteresis(Section):
     ] = 0.05
 
 
-def without_friction(case, section):
+def without_friction(case: "Case", section: FrictionHysteresis) -> Iterator[tuple[str, str, str]]:
     """The law has a friction coefficient for the contacts to raise."""
     return needs_friction(case, "friction_hysteresis")
 

@@ -13,12 +13,15 @@ References
 Shinozuka & Deodatis (1991), Appl. Mech. Rev. 44, 191, for the scatter.
 """
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import OBSERVATION, Effect, Prior, Seeing
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 AT_REST = 1.0e-3  # m; a front so near to its last place has stopped
 TONES = 256  # of the scatter; its correlation is exact to 1/sqrt(2 TONES) for each seed
@@ -35,7 +38,9 @@ class FrontSaltation(Section):
     seed: Annotated[int, key("-", "which realisation of the scatter", ge=0)] = 0
 
 
-def seen_with_beads(section, case, time, front):
+def seen_with_beads(
+    section: FrontSaltation, case: "Case", time: np.ndarray, front: np.ndarray
+) -> np.ndarray:
     """Front (n,) that is measured of a front (n,) at the times (n,); m, s."""
     geometry = case.geometry
     progress = np.clip((front - geometry.length_0) / geometry.height_0, 0.0, 1.0)
@@ -44,7 +49,9 @@ def seen_with_beads(section, case, time, front):
     return front + progress * (section.bias + section.spread * scatter)
 
 
-def scatter_covariance(section, case, time, front, at):
+def scatter_covariance(
+    section: FrontSaltation, case: "Case", time: np.ndarray, front: np.ndarray, at: np.ndarray
+) -> np.ndarray:
     """Covariance (m, m) over spread^2 of what is seen at the times `at` (m,) of a front (n,) at `time` (n,); m, s."""
     geometry = case.geometry
     progress = np.clip((front - geometry.length_0) / geometry.height_0, 0.0, 1.0)
@@ -54,7 +61,7 @@ def scatter_covariance(section, case, time, front, at):
     return np.outer(size, size) * np.exp(-apart / section.correlation_time)
 
 
-def correlated_scatter(time, correlation_time, seed):
+def correlated_scatter(time: np.ndarray, correlation_time: float, seed: int) -> np.ndarray:
     """Gaussian scatter (n,) of unit variance whose correlation falls as exp(-t/correlation_time).
 
     A function of time and seed alone, so that it does not depend on the time steps of a run: tones

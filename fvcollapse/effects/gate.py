@@ -9,12 +9,15 @@
 Limits: the gate stays a plane normal to the bed; its friction has no memory.
 """
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class Gate(Section):
@@ -46,7 +49,7 @@ class Gate(Section):
     )
 
 
-def change_speed(case, section):
+def change_speed(case: "Case", section: Gate) -> "Case":
     """Put the speed law into the keys of the gate; delay and friction remain for the solver."""
     if section.speed is section.time_constant is None:
         return case

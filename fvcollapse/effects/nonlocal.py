@@ -9,11 +9,15 @@ References
 Kamrin & Koval (2012), Phys. Rev. Lett. 108, 178301; Henann & Kamrin (2014), Phys. Rev. Lett. 113, 178001.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
 from fvcollapse.effects.effect import PHYSICAL, Effect, Field, Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class Nonlocal(Section):
@@ -24,7 +28,7 @@ class Nonlocal(Section):
     ] = 0.0
 
 
-def without_friction(case, section):
+def without_friction(case: "Case", section: Nonlocal) -> Iterator[tuple[str, str, str]]:
     """The law has a friction coefficient to be made nonlocal."""
     return needs_friction(case, "nonlocal")
 

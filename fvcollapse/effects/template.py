@@ -12,12 +12,15 @@ Limits: where it does not hold.
 Sources: Author (year), Journal volume, page.
 """
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class {title}(Section):
@@ -27,7 +30,7 @@ class {title}(Section):
     strength: Annotated[float, key("-", "added to rheology.mu_1 and mu_2", ge=0, le=1)] = 0.0
 
 
-def change(case, section):
+def change(case: "Case", section: {title}) -> "Case":
     """The case that the solver runs, with the effect put into the keys that it changes.
 
     This example adds to the friction of the grains. An effect that no key can express has a module of stage functions
@@ -51,7 +54,7 @@ EFFECT = Effect(
 '''
 
 
-def effect_template(name):
+def effect_template(name: str) -> str:
     """The text of `<name>.py`, an effect that changes one key of the case.
 
     Raises

@@ -21,11 +21,15 @@ Pouliquen (2005), J. Fluid Mech. 541, 167, for L = 1.65 d of beads; Kamrin & Hen
 Liu & Henann (2018), Soft Matter 14, 5294.
 """
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class ThinLayer(Section):
@@ -41,7 +45,7 @@ class ThinLayer(Section):
     ] = "thickness"
 
 
-def without_friction(case, section):
+def without_friction(case: "Case", section: ThinLayer) -> Iterator[tuple[str, str, str]]:
     """The law has a friction coefficient, which rises as a layer thins."""
     return needs_friction(case, "thin_layer")
 

@@ -1,11 +1,14 @@
 """Error of the slope: the bed of the laboratory is inclined by geometry.slope_angle_deg + angle_deg."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import NUISANCE, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class Tilt(Section):
@@ -14,7 +17,7 @@ class Tilt(Section):
     angle_deg: Annotated[float, key("deg", "added to geometry.slope_angle_deg", ge=-3, le=3)] = 0.0
 
 
-def change_slope(case, section):
+def change_slope(case: "Case", section: Tilt) -> "Case":
     """Add the angle to the slope."""
     angle = case.geometry.slope_angle_deg + section.angle_deg
     case = replace(case, geometry=replace(case.geometry, slope_angle_deg=angle))

@@ -14,7 +14,7 @@ class TimeOrigin(Section):
     ] = 0.0
 
 
-def start_of_clock(section):
+def start_of_clock(section: TimeOrigin) -> float:
     """Simulated time at which the clock shows zero, s."""
     return section.offset
 

@@ -11,12 +11,15 @@ Limits: the view is a purely kinematic surrogate for a curved front, and an uppe
 from behind.
 """
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, Seeing
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class TransverseProfile(Section):
@@ -31,17 +34,17 @@ class TransverseProfile(Section):
     ] = "average"
 
 
-def curvature(velocity_ratio):
+def curvature(velocity_ratio: float) -> float:
     """C of the parabola: 0 = plug, 1 = the grains stick to the walls."""
     return 1.0 - 1.0 / velocity_ratio
 
 
-def middle_factor(velocity_ratio):
+def middle_factor(velocity_ratio: float) -> float:
     """Velocity in the middle of the channel over its mean across the width."""
     return 1.0 / (1.0 - curvature(velocity_ratio) / 3.0)
 
 
-def view_factor(velocity_ratio, view):
+def view_factor(velocity_ratio: float, view: str) -> float:
     """Velocity at the "wall", in the "centre" or its "average", over the mean across the width."""
     if view == "average":
         return 1.0
@@ -49,7 +52,7 @@ def view_factor(velocity_ratio, view):
     return middle if view == "centre" else middle / velocity_ratio
 
 
-def seen_from_a_side(section, case, x):
+def seen_from_a_side(section: TransverseProfile, case: "Case", x: np.ndarray) -> np.ndarray:
     """Abscissae (n,) at which a camera sees the grains at x (n,), m."""
     excess = view_factor(section.velocity_ratio, section.view) - 1.0
     return x + excess * np.maximum(x - case.geometry.length_0, 0.0)

@@ -12,12 +12,16 @@ References
 Martin et al. (2017), equation 8.
 """
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
+
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
 
 
 class Viscosity(Section):
@@ -34,7 +38,7 @@ class Viscosity(Section):
     ) = None
 
 
-def change_law(case, section):
+def change_law(case: "Case", section: Viscosity) -> "Case":
     """Scale eta_I, or put a constant viscosity in its place."""
     law = case.rheology
     if section.eta_constant is not None:
@@ -47,7 +51,7 @@ def change_law(case, section):
     return with_section(replace(case, rheology=law), "viscosity", None)
 
 
-def without_viscous_part(case, section):
+def without_viscous_part(case: "Case", section: Viscosity) -> Iterator[tuple[str, str, str]]:
     """The effect has a viscous part to act on, and one way to act."""
     if case.rheology.law == "mu_I_regularised":
         limit = "absent with rheology.law = mu_I_regularised, whose viscosity is no part of its own"

@@ -39,8 +39,12 @@ from fvcollapse.output.run_without_result import run_without_result
 from fvcollapse.studies.workers import run_all
 
 if TYPE_CHECKING:
+    from typing import TypeVar
+
     from fvcollapse.case.case import Case
     from fvcollapse.output.result import Result
+
+    Name = TypeVar("Name")  # of a run: a text, or whatever else tells the runs apart
 
 
 FORMAT = 2  # of the extract; it is part of every key
@@ -172,7 +176,7 @@ class RunCache:
             partial(run_all, workers=workers, scheduler=scheduler, quiet=quiet), cases
         )
 
-    def run_by(self, make_calls: Callable, cases: "Mapping[str, Case]") -> Runs:
+    def run_by(self, make_calls: Callable, cases: "Mapping[Name, Case]") -> Runs:
         """As `run_all`, the calls made by `make_calls(task, calls, finished)`; see `workers.run_all`."""
         keys = {name: cache_key(case) for name, case in cases.items()}
         wanted = longest(keys, cases)
@@ -213,7 +217,7 @@ class RunCache:
         return made, failures
 
 
-def longest(keys: Mapping[str, str], cases: "Mapping[str, Case]") -> "dict[str, Case]":
+def longest(keys: "Mapping[Name, str]", cases: "Mapping[Name, Case]") -> "dict[str, Case]":
     """{key: case} of {name: key} and {name: case}; of cases that share a key the case with the latest end."""
     found: dict[str, Case] = {}
     for name, key in keys.items():

@@ -12,6 +12,7 @@ Every answer but "none" is wrong. Films and pages go below --out; runs are kept 
 that was given by the present solver and diagnosis is not given again.
 """
 
+import ast
 import json
 import sys
 from functools import partial
@@ -29,7 +30,7 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.report.standing import standing
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.output.fingerprint import Counted, solver_version
 from runs.cross_code.films import PEERS, write_experiment
 from runs.study import Study, one_of, run_cached
 from runs.study import main as call
@@ -130,9 +131,36 @@ def null(options):
 
 
 def digest_of(folder):
-    """Digest of the modules and of the verdict layer in a folder."""
-    texts = [path.read_bytes() for path in sorted(folder.iterdir()) if path.suffix in SOURCES]
-    return sha256(b"".join(texts)).hexdigest()[:12]
+    """Digest of the modules and of the verdict layers in a folder; hints, docstrings and comments do not count."""
+    paths = sorted(path for path in folder.iterdir() if path.suffix in SOURCES)
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    read = [
+        code_of(text) if path.suffix == ".py" else text
+        for path, text in zip(paths, texts, strict=True)
+    ]
+    return sha256("\n".join(read).encode()).hexdigest()[:12]
+
+
+def code_of(text):
+    """The statements of a module without hints, imports, docstrings and comments."""
+    return ast.unparse(
+        ast.fix_missing_locations(WithoutHints(lambda _: None).visit(ast.parse(text)))
+    )
+
+
+class WithoutHints(Counted):
+    """A module without its hints, those of variables and attributes included."""
+
+    def visit_AnnAssign(self, node):  # noqa: N802
+        """A variable with a hint: what it is set to, or its name."""
+        node = self.generic_visit(node)
+        if node.value is None:
+            return ast.Expr(node.target)
+        return ast.Assign([node.target], node.value)
+
+    def visit_If(self, node):  # noqa: N802
+        """A condition; nothing of what only a type checker reads."""
+        return None if ast.unparse(node.test) == "TYPE_CHECKING" else self.generic_visit(node)
 
 
 def diagnosed(name, options):

@@ -7,6 +7,7 @@ Parts:
 
     folders     published measurements as experiment folders below --experiments; see `folders.py`
     diagnose    one diagnosis for each laboratory of `LABORATORIES`: answers.json, answers.csv
+    columns     all 28 columns of glass beads with one friction of the grains: columns.csv, columns_fit.csv
 
 Nothing is tuned to an answer. The pages go below --out; runs are kept in the cache of runs. An answer that was
 given by the present solver and diagnosis is not given again.
@@ -27,6 +28,7 @@ from fvcollapse.diagnosis.report.standing import standing
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 from runs.cross_code.study import DIAGNOSIS, called, called_name, digest_of
+from runs.laboratories.columns import columns
 from runs.laboratories.folders import folders
 from runs.study import Study, one_of
 from runs.study import main as call
@@ -257,7 +259,7 @@ def add_options(parser):
 STUDY = Study(
     "laboratories",
     __doc__,
-    {"folders": folders, "diagnose": diagnose},
+    {"folders": folders, "diagnose": diagnose, "columns": columns},
     need_data=("folders",),
     add_options=add_options,
 )

@@ -4,9 +4,17 @@ import math
 
 import numpy as np
 
-from fvcollapse.measure.pile import SPEED_STATIC, thickness
+from fvcollapse.measure.pile import SPEED_STATIC
 from runs.paper import measures, pressure
-from runs.paper.readings import eta_I, field_at, front_curve, peak_field, profile_at
+from runs.paper.readings import (
+    eta_I,
+    field_at,
+    front_curve,
+    peak_field,
+    peak_thickness,
+    peak_time,
+    profile_at,
+)
 from runs.paper.scalars import PRESSURE_TIMES, SHEAR_TIME
 from runs.table import REFINEMENTS, Curve
 
@@ -81,9 +89,7 @@ def volume(result):
 
 def peak(result):
     """Thickness when the front is fastest."""
-    field = peak_field(result)
-    h = thickness(field["level_set"], field["dz"])
-    yield profile("peak_thickness_mm", field["time"], field["dx"] * np.arange(len(h)), h)
+    yield profile("peak_thickness_mm", peak_time(result), result.profiles.x, peak_thickness(result))
 
 
 def viscosity(result):

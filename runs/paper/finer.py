@@ -2,11 +2,13 @@
 
 A clause needs an uncertainty smaller than its distance to the limit. Where it has a larger one, the cases that it is
 made of are run on the next grid, 6 -> 4 -> 3 -> 2 mm, until it is decided or there is none. A clause on its limit,
-whose uncertainty is many times what it needs, is left: no grid would decide it.
+whose uncertainty is many times what it needs, is left: no grid would decide it. Only the reading of the paper asks:
+what others say can contradict it, and cannot decide in its place.
 """
 
 import math
 
+from runs.paper.beds import SLIDES
 from runs.paper.verdicts import OPEN
 from runs.table import REFINEMENTS
 
@@ -31,16 +33,13 @@ def finer(settled, tables, finest):
     """
     wanted = {}
     for of in settled:
-        for (bed, _), statement in of.readings.items():
-            if statement.verdict != OPEN:
-                continue
-            for clause in statement.clauses:
-                lacking = shortage(clause)
-                for case in clause.measured.cases if 1.0 <= lacking <= HOPELESS else ():
-                    refinement = next_grid(tables[bed], case)
-                    if refinement <= finest:
-                        key = bed, case, refinement
-                        wanted[key] = min(lacking, wanted.get(key, math.inf))
+        for clause in of.paper.clauses if of.verdict == OPEN else ():
+            lacking = shortage(clause)
+            for case in clause.measured.cases if 1.0 <= lacking <= HOPELESS else ():
+                refinement = next_grid(tables[SLIDES], case)
+                if refinement <= finest:
+                    key = SLIDES, case, refinement
+                    wanted[key] = min(lacking, wanted.get(key, math.inf))
     return sorted(wanted, key=lambda key: (wanted[key], key))
 
 

@@ -15,6 +15,7 @@ from runs.table import EARLIEST
 
 STEP = 0.01  # s, spacing of the curves in the tables
 DECELERATION_WINDOW = 15  # points: 140 ms
+NEAR_PEAK = 0.95  # of the peak; the time of the peak is the middle of what is faster
 PEAK_LEAST = 0.1  # of the peak; a plateau is at least that fast
 PEAK_MOST = 0.7  # of the peak; a plateau comes after a fast deceleration to this
 STEADY = 1.0 / 3.0  # of the mean deceleration; a plateau decelerates less
@@ -36,6 +37,34 @@ def front_velocity(front, step=STEP):
 def peak_index(velocity):
     """Index of the largest velocity, the first 80 ms left out."""
     return EARLIEST + int(np.argmax(velocity[EARLIEST:]))
+
+
+def peak_time(velocity, step=STEP):
+    """Time of the peak [s]: the middle of the stretch about it in which the velocity is above `NEAR_PEAK` of it.
+
+    The largest value itself is no time: the peak is flat, and what lies on top of it changes from grid to grid.
+
+    Parameters
+    ----------
+    velocity : (n,) array
+        Front velocity [m/s] at the spacing `step`.
+    step : float
+        [s]
+    """
+    peak = peak_index(velocity)
+    level = NEAR_PEAK * velocity[peak]
+    slow = np.flatnonzero(velocity < level)
+    before, after = slow[slow < peak], slow[slow > peak]
+    start = float(EARLIEST)
+    if before.size and before[-1] >= EARLIEST:
+        start = crossing(velocity, int(before[-1]), level)
+    end = crossing(velocity, int(after[0]) - 1, level) if after.size else len(velocity) - 1.0
+    return 0.5 * (start + end) * step
+
+
+def crossing(values, index, level):
+    """Where values cross a level between an index and the next, in indices."""
+    return index + (level - values[index]) / (values[index + 1] - values[index])
 
 
 class Plateau(NamedTuple):

@@ -23,10 +23,33 @@ def field_at(result, time):
     return result.field(int(np.argmin(np.abs(result.field_times - time))))
 
 
+def peak_time(result):
+    """Time of the fastest front, s."""
+    _, front = front_curve(result)
+    return measures.peak_time(measures.front_velocity(front))
+
+
 def peak_field(result):
     """The stored field nearest to the time of the fastest front."""
-    time, front = front_curve(result)
-    return field_at(result, time[measures.peak_index(measures.front_velocity(front))])
+    return field_at(result, peak_time(result))
+
+
+def at_peak(result, numbers_of):
+    """{name: number} that a function gives of a field, linear in time between the fields about the fastest front."""
+    times, when = result.field_times, peak_time(result)
+    after = min(max(int(np.searchsorted(times, when)), 1), len(times) - 1)
+    share = float(np.clip((when - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0))
+    first, second = (numbers_of(result.field(index)) for index in (after - 1, after))
+    return {name: (1.0 - share) * first[name] + share * second[name] for name in first}
+
+
+def peak_thickness(result):
+    """Thickness, linear in time between the profiles about the fastest front, m."""
+    profiles, when = result.profiles, peak_time(result)
+    after = min(max(int(np.searchsorted(profiles.time, when)), 1), len(profiles.time) - 1)
+    first, second = profiles.time[after - 1], profiles.time[after]
+    share = float(np.clip((when - first) / (second - first), 0.0, 1.0))
+    return (1.0 - share) * profiles.thickness[after - 1] + share * profiles.thickness[after]
 
 
 def eta_I(field, case):

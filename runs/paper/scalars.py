@@ -6,7 +6,7 @@ import numpy as np
 
 from fvcollapse.measure.pile import SPEED_STATIC
 from runs.paper import measures, pressure
-from runs.paper.readings import eta_I, field_at, front_curve, peak_field, profile_at
+from runs.paper.readings import at_peak, eta_I, field_at, front_curve, profile_at
 
 INTERFACE_TIMES = (0.30, 0.48, 0.96)  # s
 FLOWING_TIMES = (0.48, 1.0, 1.76)  # s
@@ -68,7 +68,7 @@ def front_scalars(result):
     found = measures.plateau(velocity)
     return {
         "peak_velocity_m_s": velocity[peak],
-        "peak_time_s": time[peak],
+        "peak_time_s": measures.peak_time(velocity),
         "stop_time_s": time[peak + int(np.argmax(stopped))] if stopped.any() else math.nan,
         "plateau_start_s": found.start,
         "plateau_duration_s": found.duration,
@@ -112,22 +112,27 @@ def flowing_thickness(result):
 
 def flow_scalars(result):
     """Viscosity eta_I and inertial number in the flowing part when the front is fastest, and in all."""
-    eta, inertial, weight = flowing_cells(result, peak_field(result))
-    low, high = measures.weighted_quantiles(eta, weight, (0.05, 0.95))
-    least, median, most = measures.weighted_quantiles(inertial, weight, (0.01, 0.5, 0.99))
     mean, total = 0.0, 0.0
     for index in np.flatnonzero(result.field_times >= 0.1)[::2]:  # every 0.1 s says enough
         eta_now, _, weight_now = flowing_cells(result, result.field(int(index)))
         mean, total = mean + (eta_now * weight_now).sum(), total + weight_now.sum()
+    found = at_peak(result, lambda field: flowing_numbers(result, field))
+    return found | {"eta_mean_all_Pa_s": float(mean / max(total, 1e-30))}
+
+
+def flowing_numbers(result, field):
+    """Viscosity eta_I and inertial number in the flowing part of one field."""
+    eta, inertial, weight = flowing_cells(result, field)
+    low, high = measures.weighted_quantiles(eta, weight, (0.05, 0.95))
+    least, median, most = measures.weighted_quantiles(inertial, weight, (0.01, 0.5, 0.99))
     return {
         "eta_mean_Pa_s": float((eta * weight).sum() / max(weight.sum(), 1e-30)),
         "eta_p05_Pa_s": low,
         "eta_p95_Pa_s": high,
-        "eta_mean_all_Pa_s": float(mean / max(total, 1e-30)),
         "I_p01": least,
         "I_p50": median,
         "I_p99": most,
-        **inertial_at_edges(result, peak_field(result)),
+        **inertial_at_edges(result, field),
     }
 
 

@@ -4,10 +4,10 @@
 
 A part is a group of cases, on the bed on which grains slide or on a rough one (`rough/<group>`,
 `rough_thin_layer/<group>`), or `finer`: cases behind a statement that cannot be told, on finer grids until it is
-decided or the grid is --finest times finer. Default all. The runs stay below --out. The tables,
-`runs/paper/<part>/*.csv` (of `finer` also `<bed>/finer`), are written from them, then `statements.csv` and
-`statements.md`. The figures follow from the tables: `python -m plots.paper`. Give another --out after a change of the
-solver.
+decided or the grid is --finest times finer. `slow_phase` and `volume` are searches with tables of their own. Default
+all. The runs stay below --out. The tables, `runs/paper/<part>/*.csv` (of `finer` also `<bed>/finer`), are written from
+them, then `statements.csv` and `statements.md`. The figures follow from the tables: `python -m plots.paper`. Give
+another --out after a change of the solver.
 """
 
 import multiprocessing
@@ -23,13 +23,29 @@ from runs.paper.beds import BEDS, FINER, finer_runs, parts, runs
 from runs.paper.cases import SENSITIVITIES
 from runs.paper.finer import finer
 from runs.paper.members import rows_of_run
+from runs.paper.slow_phase import search as search_slow_phase
+from runs.paper.volume import search as search_volume
 from runs.study import Study, run_in_folders
 from runs.study import main as call
 from runs.table import CURVE, CURVES, LABELS, REFINEMENTS, RUN, SCALARS, write_table
 
+MOST = 80  # of finer
+SEARCHES = {
+    "slow_phase": search_slow_phase,
+    "volume": search_volume,
+}  # no statement reads their tables
+
 
 def do_parts(options):
     """Run what is asked for, and write all that follows; return a line for each missing run."""
+    missing = [
+        line for part in SEARCHES if part in options.parts for line in SEARCHES[part](options)
+    ]
+    return missing + (do_groups(options) if set(options.parts) - set(SEARCHES) else [])
+
+
+def do_groups(options):
+    """Run the groups of cases, and write tables and statements; return a line for each missing run."""
     wanted = runs(options.parts, options.cell_size)
     missing = run_and_write(wanted, options) if wanted else []
     if FINER in options.parts:
@@ -45,6 +61,7 @@ def refine(settled, tables, options):
     chosen, missing = [], []
     while True:
         more = [key for key in finer(settled, tables, options.finest) if key not in chosen]
+        more = more[: max(0, options.most - len(chosen))]
         if not more:
             return missing
         chosen += more
@@ -108,12 +125,19 @@ def add_options(parser):
         metavar="R",
         help="cell size over that of the finest grid that may be chosen; default 3",
     )
+    parser.add_argument(
+        "--most",
+        type=int,
+        default=MOST,
+        metavar="N",
+        help=f"runs of finer, those nearest to a decision first; default {MOST}",
+    )
 
 
 STUDY = Study(
     "paper",
     __doc__,
-    dict.fromkeys([*parts(), FINER]),
+    dict.fromkeys([*parts(), FINER, *SEARCHES]),
     uses=("cell_size",),
     cell_size=0.006,
     all_parts=True,

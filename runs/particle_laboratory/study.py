@@ -9,6 +9,7 @@ tuned to a collapse. Parts:
     discrepancy   what the controls teach; each judged by the other: discrepancy.csv
     labelled      diagnosis of the cases whose cause is told, beside the controls: labelled/<case>/
     blind         diagnosis of the cases whose cause is withheld: answers.json, blind/<case>/
+    opened        diagnosis of these thirteen again, beside the causes that are told by now: opened.csv
     series        diagnosis of series of three slopes whose cause is withheld: series_answers.json
     thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
     walls         friction of the walls in the model against walls of the grains: walls.csv
@@ -36,6 +37,7 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
 from runs.particle_laboratory.closures import closures
+from runs.particle_laboratory.opened import opened
 from runs.particle_laboratory.series import ANSWERS, series
 from runs.particle_laboratory.shape import shape
 from runs.particle_laboratory.thin_layers import thin_layers
@@ -248,6 +250,7 @@ STUDY = Study(
         "discrepancy": discrepancy,
         "labelled": labelled,
         "blind": blind,
+        "opened": partial(opened, baseline=BASELINE, controls=controls),
         "series": all_series,
         "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
         "walls": partial(walls, baseline=BASELINE),
@@ -259,6 +262,7 @@ STUDY = Study(
         "discrepancy",
         "labelled",
         "blind",
+        "opened",
         "series",
         "thin_layers",
         "walls",

@@ -266,6 +266,26 @@ def test_outside_of_what_was_tried():
     assert "a cause outside the effects that were tried (80 %)" in sentences.headline(few)
 
 
+def test_none_that_is_given_up_is_no_cause_to_name():
+    """A gap that chance leaves in fewer than one case of twenty: no other cause is probable, and none is wrong."""
+    given = {"none": 0.3, "cohesion": 0.27, "unknown": 0.2}
+    report = report_with(spread(**given), where=True)
+    kept, given_up = (
+        replace(report, verdict=replace(report.verdict, set=list(names)))
+        for names in (given, ("cohesion", "unknown"))
+    )
+    assert sentences.headline(kept).startswith(
+        "These data cannot tell between no missing effect (30 %)"
+    )
+    assert sentences.headline(given_up).startswith(
+        "These data cannot tell between cohesion (27 %), a cause outside the catalogue (20 %)"
+    )
+    assert "No missing effect (30 %) is given up" in certainty(given_up)
+    assert "given up" not in certainty(kept)
+    probable = replace(given_up.verdict, probability=spread(none=0.6, cohesion=0.2))
+    assert "no missing effect (60 %)" in sentences.headline(replace(given_up, verdict=probable))
+
+
 def test_coarse_cells_are_in_the_answer():
     report = report_with(spread(lateral_friction=0.6), where=True)
     budget = {"front": {"grid": 0.02, "measurement, single points": 0.01}}
@@ -273,6 +293,6 @@ def test_coarse_cells_are_in_the_answer():
     told = certainty(replace(report, details=details, cost=replace(report.cost, cell_size=0.02)))
     assert "cells of 2 cm are coarser" in told
     assert "at most 1.17 cm" in told
-    assert "not calibrated" in told
+    assert "only rank the causes" in told
     assert "The grid is 80 % of the variance of the front position: refine it." in told
     assert "coarser" not in certainty(report)

@@ -225,7 +225,8 @@ def test_a_change_of_the_volume_reads_as_one(swelling):
 
 
 def verdict(kind, names=()):
-    return SimpleNamespace(kind=kind, set=names)
+    probability = dict.fromkeys((NONE, UNKNOWN, "gate", "spoils"), 0.25)
+    return SimpleNamespace(kind=kind, set=names, probability=probability)
 
 
 def test_a_named_cause_leaves_nothing_unexplained(swelling):
@@ -257,6 +258,16 @@ def test_likeness_has_a_sign_and_a_strength(points):
     assert alike["weak"].worse == ()
     assert alike["opposite"].cosine == pytest.approx(-1.0)
     assert alike["opposite"].strength == 0.0
+
+
+def test_what_a_verdict_does_not_compare_explains_nothing(points):
+    """A pair of effects that is ahead, and has no probability in a verdict that compares single effects only."""
+    gap = late_thin_layers(points, 0.004)
+    found = stub(points, gap, effects={"arms": -0.4 * gap, "cups": -0.2 * gap})
+    pair = SimpleNamespace(name="arms+cups", difference=-gap, p_value=0.9)
+    found.evidence.hypotheses = {"arms+cups": pair} | found.evidence.hypotheses
+    assert unexplained(found).beside == "arms+cups"
+    assert unexplained(found, [NONE, UNKNOWN, "arms", "cups"]).beside == NONE
 
 
 def test_an_effect_that_spoils_another_observable_is_told(points):

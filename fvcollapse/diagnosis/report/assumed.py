@@ -1,15 +1,22 @@
 """What a diagnosis assumed of each experiment because `experiment.toml` does not state it."""
 
+from typing import TYPE_CHECKING
+
 from fvcollapse.case.case import describe_keys
 from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.report.schema_origin import Assumption
 from fvcollapse.measure.experiment_keys import CASE_KEYS
 from fvcollapse.output.question import flat
 
+if TYPE_CHECKING:
+    from fvcollapse.case.case import Case
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.measure.experiment import Experiment
+
 BELIEVED, ABSENT, DEFAULT = "the case file", "absent means so", "default of the program"
 
 
-def assumptions(question):
+def assumptions(question: "Question") -> list[Assumption]:
     """The `Assumption` list of a `Question`, experiment after experiment.
 
     A key that is stated by the experiment is none, whatever the case says.
@@ -35,7 +42,9 @@ def assumptions(question):
     ]
 
 
-def source_of(experiment, believed, own, absent, in_case):
+def source_of(
+    experiment: "Experiment", believed: "Case | None", own: str, absent: bool, in_case: bool
+) -> str:
     """Where the value of a key comes from that an experiment does not state."""
     assumed = experiment.assumed(believed).get(own)
     if assumed is not None:

@@ -1,11 +1,14 @@
 """The first causes as bars beside the answer: the same numbers, in the same order."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import UNKNOWN, effects_of
 from fvcollapse.diagnosis.report.sentences import tried
 from fvcollapse.diagnosis.report.standing import alone, standing
 from fvcollapse.diagnosis.report.words import hypothesis_name, percent
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Report
 
 MOST_BARS = 5
 
@@ -20,7 +23,7 @@ class Bar(NamedTuple):
     is_stated: bool
 
 
-def bars(report):
+def bars(report: "Report") -> list[Bar]:
     """The `Bar`s of the first five causes, the most probable first, and of all that the headline names."""
     _, causes, shares, _ = standing(report)
     shown = [cause for n, cause in enumerate(shares) if n < MOST_BARS or cause in causes]
@@ -37,7 +40,7 @@ def bars(report):
     ]
 
 
-def ranking_note(report):
+def ranking_note(report: "Report") -> str:
     """Why the cause of the most evidence is not the most probable; empty where it is."""
     probability = report.verdict.probability
     known = {
@@ -47,8 +50,8 @@ def ranking_note(report):
     }
     if not known:
         return ""
-    first = max(probability, key=probability.get)
-    strongest = max(known, key=known.get)
+    first = max(probability, key=probability.__getitem__)
+    strongest = max(known, key=known.__getitem__)
     ahead = known[strongest] - known.get(first, known[strongest])
     if strongest == first or ahead <= 0.0:
         return ""
@@ -60,7 +63,7 @@ def ranking_note(report):
     )
 
 
-def reason(report, strongest, first):
+def reason(report: "Report", strongest: str, first: str) -> str:
     """What weighs against the evidence: the prior of a hypothesis, and how evidence counts."""
     if any(one.conformal_p is not None for one in report.details.hypotheses.values()):
         return (

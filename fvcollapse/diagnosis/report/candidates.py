@@ -1,5 +1,8 @@
 """The candidate effects of a diagnosis as parts of the report."""
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.case.case import describe_keys
@@ -8,11 +11,17 @@ from fvcollapse.diagnosis.report import schema as form
 from fvcollapse.diagnosis.separability import EQUIVALENT
 from fvcollapse.effects.catalogue import CATALOGUE
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.evidence import Hypothesis
+    from fvcollapse.diagnosis.levels import Closure
+    from fvcollapse.diagnosis.verdict import Verdict
+
 ENDS = 0.002  # reported quantiles stay inside: some priors have no end
 LIKE_MISCALIBRATION = 0.2  # share of the null test that an effect wins
 
 
-def candidates(analysis, verdict):
+def candidates(analysis: "Analysis", verdict: "Verdict") -> dict[str, form.Candidate]:
     """Every effect with its probability and the parameters that fit best."""
     parts, units = {}, units_of_keys()
     for name in analysis.responses:
@@ -27,12 +36,14 @@ def candidates(analysis, verdict):
     return parts
 
 
-def plausible(hypothesis):
+def plausible(hypothesis: "Hypothesis") -> bool:
     """Whether the best parameters lie inside the central 98 % of their priors."""
     return is_inside(hypothesis.u)
 
 
-def parameters(closure, quantiles, units):
+def parameters(
+    closure: "Closure", quantiles: Sequence[np.ndarray], units: Mapping[str, str]
+) -> dict[str, form.Parameter]:
     """{name: `Parameter`} of a closure at quantiles: best, and the ends of the interval if given."""
     values = [closure.values(np.clip(u, ENDS, 1.0 - ENDS)) for u in quantiles]
     best, *ends = values
@@ -49,12 +60,12 @@ def parameters(closure, quantiles, units):
     return parts
 
 
-def units_of_keys():
+def units_of_keys() -> dict[str, str]:
     """{key of the case: unit}."""
     return {info.name: info.unit for info in describe_keys()}
 
 
-def hypotheses(analysis, verdict):
+def hypotheses(analysis: "Analysis", verdict: "Verdict") -> dict[str, form.HypothesisSummary]:
     """All hypotheses of the evidence."""
     wins = analysis.null_wins
     parts = {}
@@ -76,7 +87,7 @@ def hypotheses(analysis, verdict):
     return parts
 
 
-def separability(analysis, verdict):
+def separability(analysis: "Analysis", verdict: "Verdict") -> form.Separability | None:
     """How alike the effects look; None with fewer than two."""
     likeness = analysis.separability
     if len(likeness.names) < 2:

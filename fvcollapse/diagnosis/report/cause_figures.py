@@ -1,5 +1,7 @@
 """Figures of the evidence of the hypotheses and of the likeness of their signatures."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.patches import Rectangle
 
@@ -7,18 +9,24 @@ from fvcollapse.diagnosis.report.drawing import WIDTH, broken, column, picture, 
 from fvcollapse.diagnosis.report.words import hypothesis_name, percent, ranking
 from fvcollapse.draw.drawing import BLUE, GREY, new_figure
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Report, Separability
+
 NAME_WIDTH = 22  # letters in a line
 EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 
 
-def evidence(report):
+def evidence(report: "Report") -> "Picture":
     """Probabilities of all hypotheses, and their ln evidence with its change under wider priors."""
     verdict, hypotheses = report.verdict, report.details.hypotheses
     names = [name for name, _ in ranking(report)][::-1]
     lines = sum(broken(hypothesis_name(name), NAME_WIDTH).count("\n") for name in names)
     figure = new_figure(WIDTH, 0.9 + 0.25 * len(names) + 0.12 * lines)
     left, right = figure.subplots(1, 2, sharey=True)
-    rows = np.arange(len(names))
+    rows = range(len(names))
     chances = 100.0 * np.array([verdict.probability[name] for name in names])
     colours = [BLUE if name in verdict.set else "#b9c4cc" for name in names]
     left.barh(rows, chances, color=colours, height=0.7)
@@ -33,8 +41,8 @@ def evidence(report):
     known = [h.log_evidence for h in hypotheses.values() if h.log_evidence is not None]
     best = max(known, default=0.0)
     for row, name in zip(rows, names, strict=True):
-        if name in hypotheses and hypotheses[name].log_evidence is not None:
-            draw_evidence(right, row, hypotheses[name], best)
+        if name in hypotheses and (value := hypotheses[name].log_evidence) is not None:
+            draw_evidence(right, row, value, hypotheses[name].log_evidence_wide, best)
     right.axvline(0.0, color="black", lw=0.8)
     right.set(
         xlim=(1.12 * EVIDENCE_LEAST, 3.0),
@@ -47,11 +55,10 @@ def evidence(report):
     return picture(figure, "evidence", alt, "Probability and evidence of each hypothesis")
 
 
-def draw_evidence(axes, row, hypothesis, best):
-    """Evidence (ln) relative to the best (filled), with priors twice as wide (open)."""
-    value = hypothesis.log_evidence - best
+def draw_evidence(axes: "Axes", row: int, own: float, wide: float | None, best: float) -> None:
+    """Evidence (ln) relative to the best: `own` filled, `wide`, with priors twice as wide, open."""
+    value = own - best
     shown = max(value, EVIDENCE_LEAST)
-    wide = hypothesis.log_evidence_wide
     if value < EVIDENCE_LEAST:
         axes.plot(shown, row, marker=8, color=GREY, markersize=6)  # an arrow to the left
         axes.text(
@@ -69,7 +76,7 @@ def draw_evidence(axes, row, hypothesis, best):
     axes.plot(shown, row, "o", color=BLUE, markersize=4)
 
 
-def signatures(separability):
+def signatures(separability: "Separability") -> "Picture":
     """Matrix of cosines, the classes that cannot be told apart outlined and side by side."""
     order = [separability.names.index(name) for group in separability.classes for name in group]
     matrix = np.array([column(row) for row in separability.cosine])[np.ix_(order, order)]
@@ -105,6 +112,6 @@ def signatures(separability):
     return picture(figure, "signatures", alt, "How alike the effects look in these data")
 
 
-def cosine_text(value):
+def cosine_text(value: float) -> str:
     """Two decimals without the leading zero."""
     return f"{value:.2f}".replace("0.", ".").replace("-", "\N{MINUS SIGN}").replace("1.00", "1")

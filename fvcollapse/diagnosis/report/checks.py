@@ -1,13 +1,18 @@
 """Contradictions inside a report: none may be written or read."""
 
 import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.names import NONE, RUNGS, UNKNOWN
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Report, Separability
 
 SUM_TOLERANCE = 1.0e-6
 
 
-def contradictions(report):
+def contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """(key, problem) of everything in a report that does not agree with the rest."""
     yield from verdict_contradictions(report)
     yield from candidate_contradictions(report)
@@ -18,7 +23,7 @@ def contradictions(report):
     yield from remainder_contradictions(report)
 
 
-def verdict_contradictions(report):
+def verdict_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Probabilities that are none, and effects that the kind does not allow."""
     verdict = report.verdict
     values = verdict.probability.values()
@@ -40,7 +45,7 @@ def verdict_contradictions(report):
             yield "verdict.effects", f"{name!r}, which has no probability"
 
 
-def candidate_contradictions(report):
+def candidate_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Candidates whose probability is not that of the verdict."""
     for name, candidate in report.candidates.items():
         stated = report.verdict.probability.get(name)
@@ -51,7 +56,7 @@ def candidate_contradictions(report):
             yield "candidates", f"no {name!r}, which has a probability"
 
 
-def where_contradictions(report):
+def where_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Regions of an experiment that is not compared, and ranges that run backwards."""
     compared = {*report.experiments, *report.held_out}
     for n, region in enumerate(report.where):
@@ -64,12 +69,17 @@ def where_contradictions(report):
         yield "held_out", f"{name!r}, which was fitted as well"
 
 
-def comparison_contradictions(report):
+def comparison_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Columns of unequal length, models without a name, regions that do not exist."""
     compared = {*report.experiments, *report.held_out}
     for n, one in enumerate(report.details.comparisons):
         key, size = f"details.comparisons[{n}]", len(one.measured)
-        columns = [one.sigma, one.combined, *one.simulated.values(), *one.z.values()]
+        columns: list[Sequence[object]] = [
+            one.sigma,
+            one.combined,
+            *one.simulated.values(),
+            *one.z.values(),
+        ]
         columns += [column for column in (one.time, one.x) if column is not None]
         columns += [column for column in (one.region, one.phase) if column]
         if any(len(column) != size for column in columns):
@@ -82,7 +92,7 @@ def comparison_contradictions(report):
             yield key, "a region that does not exist"
 
 
-def separability_contradictions(separability):
+def separability_contradictions(separability: "Separability | None") -> Iterator[tuple[str, str]]:
     """Matrices that are not k x k, classes that are no partition."""
     if separability is None:
         return
@@ -98,7 +108,7 @@ def separability_contradictions(separability):
         yield "details.separability.classes", "classes that do not hold every effect once"
 
 
-def ladder_contradictions(report):
+def ladder_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Models without a name, and held-out values where nothing was held out."""
     for n, rung in enumerate(report.details.ladder):
         if rung.model not in RUNGS:
@@ -113,7 +123,7 @@ def ladder_contradictions(report):
         yield "details.confirmation", "'confirmed' although no experiment was held out"
 
 
-def remainder_contradictions(report):
+def remainder_contradictions(report: "Report") -> Iterator[tuple[str, str]]:
     """Sizes of what was not compared, and shares of what is left that are none."""
     for name in report.details.practical:
         if name not in report.by_observable:

@@ -1,6 +1,8 @@
 """The results of a diagnosis as a `Report`."""
 
+from collections.abc import Iterable, Sequence
 from math import inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.structs import replace
@@ -16,8 +18,24 @@ from fvcollapse.diagnosis.report.reductions import confirmation_of, reductions, 
 from fvcollapse.diagnosis.report.remainder import practical_of, region_parts, unexplained_of
 from fvcollapse.diagnosis.report.words import candidate_words
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.closing import Group
+    from fvcollapse.diagnosis.ladder import Ladder
+    from fvcollapse.diagnosis.next_experiment import Choice
+    from fvcollapse.diagnosis.verdict import Verdict
+    from fvcollapse.diagnosis.verdict_model import VerdictModel
+    from fvcollapse.measure.experiment import Experiment
 
-def report_of(analysis, verdict, ladder, choices, cost, model=None):
+
+def report_of(
+    analysis: "Analysis",
+    verdict: "Verdict",
+    ladder: "Ladder",
+    choices: "Sequence[Choice]",
+    cost: form.Cost,
+    model: "VerdictModel | None" = None,
+) -> form.Report:
     """The `Report` of a diagnosis.
 
     Parameters
@@ -31,13 +49,10 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
     model : VerdictModel, optional
         What the verdict was made with.
     """
-    held = ladder.held_out.points.experiments if ladder.held_out else ()
-    upcoming = [next_experiment(choice) for choice in choices]
-    if upcoming:
-        upcoming[0] = replace(upcoming[0], case=next_case(analysis, choices[0]))
+    upcoming = next_experiments(analysis, choices)
     return form.Report(
         experiments=[experiment.name for experiment in analysis.experiments],
-        held_out=[experiment.name for experiment in held],
+        held_out=[experiment.name for experiment in held_out_of(ladder)],
         baseline_case=analysis.question.baseline.to_toml(),
         where=region_parts(analysis.points, analysis.gap_map.regions, analysis.gap_map.z),
         by_observable=levels_of(analysis),
@@ -49,9 +64,7 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
         details=form.Details(
             expected=expected(analysis),
             coarse_cells=dict(analysis.question.coarse_cells),
-            set_ups={
-                experiment.name: set_up(experiment) for experiment in (*analysis.experiments, *held)
-            },
+            set_ups=set_ups(analysis, ladder),
             comparisons=comparisons(analysis, ladder),
             shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
             budget=budget(analysis),
@@ -70,10 +83,15 @@ def report_of(analysis, verdict, ladder, choices, cost, model=None):
     )
 
 
-def answer_of(verdict):
+def held_out_of(ladder: "Ladder") -> "tuple[Experiment, ...]":
+    """The experiments that were held out."""
+    return ladder.held_out.points.experiments if ladder.held_out else ()
+
+
+def answer_of(verdict: "Verdict") -> form.Verdict:
     """A `Verdict` of the diagnosis as the report has it."""
     return form.Verdict(
-        kind=verdict.kind,
+        kind=verdict.kind,  # type: ignore[arg-type]
         effects=list(verdict.effects),
         indistinguishable=[list(group) for group in verdict.indistinguishable],
         probability=dict(verdict.probability),
@@ -81,7 +99,9 @@ def answer_of(verdict):
     )
 
 
-def partial_answers(answers):
+def partial_answers(
+    answers: "Iterable[tuple[tuple[str, ...], Verdict]]",
+) -> list[form.PartialAnswer]:
     """What `sequence` found, as the report has it."""
     return [
         form.PartialAnswer(experiments=list(names), verdict=answer_of(verdict))
@@ -89,7 +109,7 @@ def partial_answers(answers):
     ]
 
 
-def levels_of(analysis):
+def levels_of(analysis: "Analysis") -> dict[str, form.ObservableGap]:
     """Size of the gap of every observable."""
     observable = analysis.points.observable
     return {
@@ -105,7 +125,7 @@ def levels_of(analysis):
     }
 
 
-def expected(analysis):
+def expected(analysis: "Analysis") -> dict[str, float]:
     """Observable -> root mean square of the gap that the controls let expect, SI; empty without controls."""
     if not analysis.controls:
         return {}
@@ -115,21 +135,26 @@ def expected(analysis):
     }
 
 
-def set_up(experiment):
+def set_ups(analysis: "Analysis", ladder: "Ladder") -> dict[str, form.SetUp]:
+    """Experiment -> `SetUp`, fitted and held out."""
+    return {one.name: set_up(one) for one in (*analysis.experiments, *held_out_of(ladder))}
+
+
+def set_up(experiment: "Experiment") -> form.SetUp:
     """The set-up of an experiment."""
     geometry = experiment.settings.geometry
     width = geometry.channel_width
     return form.SetUp(
         title=experiment.settings.title,
         source=experiment.settings.source,
-        slope_angle_deg=geometry.slope_angle_deg,
-        height_0=geometry.height_0,
-        length_0=geometry.length_0,
+        slope_angle_deg=geometry.slope_angle_deg,  # type: ignore[arg-type]
+        height_0=geometry.height_0,  # type: ignore[arg-type]
+        length_0=geometry.length_0,  # type: ignore[arg-type]
         channel_width=None if width is None or width == inf else width,
     )
 
 
-def comparisons(analysis, ladder):
+def comparisons(analysis: "Analysis", ladder: "Ladder") -> list[form.Comparison]:
     """Every observable of every experiment with all models."""
     combined = np.sqrt(np.diag(analysis.covariance))
     region = np.full(len(analysis.points), -1)
@@ -143,7 +168,9 @@ def comparisons(analysis, ladder):
     return pairs
 
 
-def group_comparisons(group, combined, region, baseline=None):
+def group_comparisons(
+    group: "Group", combined: np.ndarray, region: np.ndarray, baseline: np.ndarray | None = None
+) -> list[form.Comparison]:
     """The `Comparison`s of a group.
 
     Parameters
@@ -163,18 +190,21 @@ def group_comparisons(group, combined, region, baseline=None):
         z[BASELINE] = baseline
     for block in points.blocks:
         rows = slice(block.start, block.stop)
+        columns: dict[str, Any] = {  # arrays, which are lists of numbers in the file
+            "time": None if np.isnan(block.time).all() else block.time,
+            "x": None if np.isnan(block.x).all() else block.x,
+            "measured": points.measured[rows],
+            "sigma": points.sigma[rows],
+            "combined": combined[rows],
+            "simulated": {model: values[rows] for model, values in group.simulated.items()},
+            "z": {model: values[rows] for model, values in z.items()},
+        }
         pairs.append(
             form.Comparison(
                 experiment=block.experiment,
                 observable=block.observable,
                 units=block.units,
-                time=None if np.isnan(block.time).all() else block.time,
-                x=None if np.isnan(block.x).all() else block.x,
-                measured=points.measured[rows],
-                sigma=points.sigma[rows],
-                combined=combined[rows],
-                simulated={model: values[rows] for model, values in group.simulated.items()},
-                z={model: values[rows] for model, values in z.items()},
+                **columns,
                 kind=block.kind,
                 region=[int(n) if n >= 0 else None for n in region[rows]],
                 phase=phase[rows].tolist(),
@@ -183,7 +213,7 @@ def group_comparisons(group, combined, region, baseline=None):
     return pairs
 
 
-def budget(analysis):
+def budget(analysis: "Analysis") -> dict[str, dict[str, float]]:
     """Observable -> source of uncertainty -> its root mean square."""
     points = analysis.points
     sources = {
@@ -208,7 +238,17 @@ def budget(analysis):
     }
 
 
-def next_experiment(choice):
+def next_experiments(
+    analysis: "Analysis", choices: "Sequence[Choice]"
+) -> list[form.NextExperiment]:
+    """What to measure next as the report has it, the first with its case file."""
+    upcoming = [next_experiment(choice) for choice in choices]
+    if upcoming:
+        upcoming[0] = replace(upcoming[0], case=next_case(analysis, choices[0]))
+    return upcoming
+
+
+def next_experiment(choice: "Choice") -> form.NextExperiment:
     """A `Choice` as the report has it."""
     finite = {key: value for key, value in choice.candidate.changes.items() if value < inf}
     return form.NextExperiment(
@@ -220,7 +260,7 @@ def next_experiment(choice):
     )
 
 
-def next_case(analysis, choice):
+def next_case(analysis: "Analysis", choice: "Choice") -> str:
     """Case file (TOML) of the set-up of a `Choice`: the model as given, in that set-up."""
     given = analysis.library.cases[choice.candidate.reference]
     return given.replace(**choice.candidate.changes).to_toml()

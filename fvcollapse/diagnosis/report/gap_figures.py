@@ -1,5 +1,8 @@
 """Maps of the gap over place and time."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import BoundaryNorm
@@ -11,15 +14,21 @@ from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_na
 from fvcollapse.draw.drawing import new_figure
 from fvcollapse.measure.quantities import observable_words
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Comparison, Report
+
 LEVELS = (-8.0, -5.0, -3.0, -2.0, 2.0, 3.0, 5.0, 8.0)  # of z: between -2 and 2 nothing is claimed
 NO_DATA = "#dfe3e8"
 
 
-def gap_map(report, one):
+def gap_map(report: "Report", one: "Comparison") -> "Picture":
     """Gap in combined standard uncertainties over place and time, before and after."""
     after = after_model(report)
     models = [model for model in dict.fromkeys((BASELINE, after)) if model in one.z]
-    time, x = column(one.time), CENTIMETRES * column(one.x)
+    time, x = column(one.time), CENTIMETRES * column(one.x)  # type: ignore[arg-type]
     moments = np.unique(time)
     cells = [cell(x, time, moments, n) for n in range(len(x))]
     ends = min(corners[0][0] for corners in cells), max(corners[1][0] for corners in cells)
@@ -53,7 +62,7 @@ def gap_map(report, one):
     return picture(figure, name, alt, f"{what} ({group})", one.experiment)
 
 
-def cell(x, time, moments, n):
+def cell(x: np.ndarray, time: np.ndarray, moments: np.ndarray, n: int) -> list[tuple[float, float]]:
     """Corners of the cell of point n: its row, half-way to its neighbours in x."""
     row = np.sort(x[time == time[n]])
     place = int(np.searchsorted(row, x[n]))
@@ -65,14 +74,16 @@ def cell(x, time, moments, n):
     return [(left, low), (right, low), (right, low + 1.0), (left, low + 1.0)]
 
 
-def outline(axes, one, cells):
+def outline(
+    axes: "Axes", one: "Comparison", cells: Sequence[Sequence[tuple[float, float]]]
+) -> None:
     """Black edges around the cells of significant regions, neighbours in a row as one."""
     inside = sorted(
         (cells[n][0][1], cells[n][0][0], cells[n][1][0])
         for n, region in enumerate(one.region)
         if region is not None
     )
-    joined = []
+    joined: list[tuple[float, float, float]] = []
     for low, left, right in inside:
         if joined and joined[-1][0] == low and left - joined[-1][2] < 1.0e-9:
             joined[-1] = (low, joined[-1][1], right)

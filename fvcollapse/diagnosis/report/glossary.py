@@ -1,6 +1,11 @@
 """Words and symbols of the page: what no geologist needs to know already."""
 
+from typing import TYPE_CHECKING
+
 from fvcollapse.case.case import describe_keys
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Report
 
 WORDS = (
     (
@@ -100,7 +105,7 @@ SYMBOLS = (
 )
 
 
-def symbols(report):
+def symbols(report: "Report") -> list[tuple[str, str, str]]:
     """(symbol, unit, meaning) of all that the page prints: its own, and the keys of cases in it."""
     used = [
         f"effects.{name}.{key}"

@@ -1,5 +1,8 @@
 """The limits of a diagnosis, and the tests of its cause, in words."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.diagnosis.controls import SLOPE_APART
@@ -11,11 +14,21 @@ from fvcollapse.diagnosis.report.words import hypotheses_listed
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.measure.quantities import CURVES
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.confirmation import ConfirmationTests
+    from fvcollapse.diagnosis.controls import Discrepancy
+    from fvcollapse.diagnosis.evidence import Evidence
+    from fvcollapse.diagnosis.ladder import Ladder
+    from fvcollapse.diagnosis.mass_balance import MassBalance
+    from fvcollapse.diagnosis.verdict_model import VerdictModel
+    from fvcollapse.measure.experiment import Experiment
+
 GRAINS_OFF = 3.0  # standard deviations from which a mass balance is reported
 FAR = 2.0  # standard deviations of a calibrated parameter that are worth a word
 
 
-def grain_words(balance):
+def grain_words(balance: "MassBalance | None") -> list[str]:
     """The mass-balance check, one sentence for each part that fails it; none where all grains are in view."""
     if balance is None:
         return []
@@ -43,7 +56,7 @@ def grain_words(balance):
     return words
 
 
-def limits(analysis, ladder):
+def limits(analysis: "Analysis", ladder: "Ladder") -> list[str]:
     """Limits of this diagnosis, one sentence each."""
     words = []
     if analysis.library.left_out:
@@ -71,8 +84,8 @@ def limits(analysis, ladder):
         )
     words += unseen_origins(analysis.experiments)
     words += far_words(ladder)
-    if analysis.controls:
-        words.append(control_words(analysis))
+    if analysis.discrepancy is not None:
+        words.append(control_words(analysis.discrepancy, analysis.controls))
         if ladder.held_out is not None:
             words.append(
                 "Held-out experiments are judged without the model error learned from the controls."
@@ -81,7 +94,7 @@ def limits(analysis, ladder):
     return words + [f"A run of the ladder failed: {failure}." for failure in ladder.failures]
 
 
-def far_words(ladder):
+def far_words(ladder: "Ladder") -> list[str]:
     """One sentence for each model whose re-calibration moved a parameter by more than two standard deviations."""
     names = {
         RECALIBRATED: "The re-calibration without any effect",
@@ -101,7 +114,7 @@ def far_words(ladder):
     return words
 
 
-def model_words(model, evidence):
+def model_words(model: "VerdictModel | None", evidence: "Evidence") -> str:
     """The basis of the probabilities."""
     if model is None:
         return (
@@ -124,11 +137,10 @@ def model_words(model, evidence):
     return words
 
 
-def control_words(analysis):
+def control_words(learned: "Discrepancy", controls: "Iterable[Experiment]") -> str:
     """The model error learned from the controls."""
-    learned = analysis.discrepancy
     factors = ", ".join(f"{name} {factor:.2g}" for name, factor in learned.factors.items())
-    names = ", ".join(one.name for one in analysis.controls)
+    names = ", ".join(one.name for one in controls)
     shared = hypotheses_listed(learned.effects)
     physics = (
         f" They show {shared} in all experiments alike, or something like it." if shared else ""
@@ -140,7 +152,7 @@ def control_words(analysis):
     )
 
 
-def default_words(experiments):
+def default_words(experiments: "Iterable[Experiment]") -> list[str]:
     """One sentence for each experiment with standard deviations that are defaults."""
     words = []
     for experiment in experiments:
@@ -152,7 +164,7 @@ def default_words(experiments):
     return words
 
 
-def default_uncertainties(experiment):
+def default_uncertainties(experiment: "Experiment") -> list[str]:
     """Measured observables whose standard deviation is a default."""
     stated, names = experiment.settings.uncertainty, []
     for name, curve in experiment.curves.items():
@@ -163,7 +175,7 @@ def default_uncertainties(experiment):
     return names
 
 
-def unseen_origins(experiments):
+def unseen_origins(experiments: "Iterable[Experiment]") -> list[str]:
     """A warning of run-outs whose origin of X nothing shows; one sentence, or none."""
     alone = [
         one.name
@@ -179,7 +191,7 @@ def unseen_origins(experiments):
     ]
 
 
-def confirmation_reasons(tests):
+def confirmation_reasons(tests: "ConfirmationTests") -> list[str]:
     """The `ConfirmationTests` of a cause in words."""
     rival = "the runner-up" if tests.rival == RUNNER_UP else "the re-calibrated model"
     reasons = []
@@ -189,10 +201,10 @@ def confirmation_reasons(tests):
             reasons.append(f"it beats {rival} in {sum(won)} of {len(won)} experiments {words}")
     if not tests.has_held_out:
         reasons.append("no experiment was held out")
-    place = "inside" if tests.parameters_inside else "at the bound of"
-    reasons.append(f"its re-calibrated parameters are {place} what was known of them before")
-    check = "passes" if tests.passes_check else "does not pass"
-    reasons.append(f"what remains {check} the predictive check (p = {tests.p_value:.2g})")
+    place = "inside" if tests.parameters_inside else "at the end of"
+    reasons.append(f"the strength and constants that fit best are {place} their plausible range")
+    check = "looks like noise" if tests.passes_check else "is more than noise"
+    reasons.append(f"what remains of the gap {check} (p = {tests.p_value:.2g})")
     if not tests.shrinks:
         reasons.append("the gap of an experiment held out does not shrink")
     return reasons

@@ -1,5 +1,7 @@
 """Measurement and simulation, before and after, in one figure."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from fvcollapse.diagnosis.names import BASELINE
@@ -15,11 +17,18 @@ from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_na
 from fvcollapse.draw.drawing import BLUE, GREY, ORANGE, new_figure
 from fvcollapse.measure.quantities import HEIGHTS, observable_words, shown_gap, shown_value
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Comparison, Report
+
 COVERAGE = 2.0  # combined standard uncertainties of a band
 NEVER_NEGATIVE = {"front", *HEIGHTS}
 
 
-def overlay(report, one):
+def overlay(report: "Report", one: "Comparison") -> "Picture":
     """Measurement and simulation before and after, of one observable of one experiment."""
     draw = draw_history if one.x is None else draw_profiles
     after = after_model(report)
@@ -31,7 +40,9 @@ def overlay(report, one):
     return picture(figure, name, alt, f"{what} ({group})", one.experiment)
 
 
-def draw_measured(axes, abscissa, one, rows, factor):
+def draw_measured(
+    axes: "Axes", abscissa: np.ndarray, one: "Comparison", rows: np.ndarray | slice, factor: float
+) -> None:
     """Measured values with one standard deviation, bounds as triangles."""
     marker = {"value": "o", "upper": "v", "lower": "^"}[one.kind]
     values, sigma = factor * column(one.measured)[rows], factor * column(one.sigma)[rows]
@@ -40,13 +51,20 @@ def draw_measured(axes, abscissa, one, rows, factor):
     axes.plot(abscissa, values, marker, color="black", markersize=2.6, label=label, zorder=4)
 
 
-def bars(abscissa, low, high):
+def bars(abscissa: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All error bars as one line with gaps: a tenth of the size of as many single ones."""
     gap = np.full(len(abscissa), np.nan)
     return np.repeat(abscissa, 3), np.column_stack((low, high, gap)).ravel()
 
 
-def draw_models(axes, abscissa, report, one, rows, factor):
+def draw_models(
+    axes: "Axes",
+    abscissa: np.ndarray,
+    report: "Report",
+    one: "Comparison",
+    rows: np.ndarray | slice,
+    factor: float,
+) -> None:
     """Lines of the model before, with the band of all uncertainties, and after."""
     after = after_model(report)
     before = factor * column(one.simulated[BASELINE])[rows]
@@ -72,12 +90,12 @@ def draw_models(axes, abscissa, report, one, rows, factor):
         )
 
 
-def draw_history(report, one):
+def draw_history(report: "Report", one: "Comparison") -> "Figure":
     """A curve over time, and under it the gap before and after."""
     after = after_model(report)
     figure = new_figure(WIDTH, 4.1)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
-    time, everything = column(one.time), slice(None)
+    time, everything = column(one.time), slice(None)  # type: ignore[arg-type]
     factor, units = shown_value(one.observable, one.units)
     draw_models(top, time, report, one, everything, factor)
     draw_measured(top, time, one, everything, factor)
@@ -97,25 +115,25 @@ def draw_history(report, one):
     return figure
 
 
-def gap_of(one, model):
+def gap_of(one: "Comparison", model: str) -> np.ndarray:
     """Gap of a model as it is judged, (n,): after what controls taught, if there were any."""
     return column(one.z[model]) * column(one.combined)
 
 
-def mark_regions(axes, one, time):
+def mark_regions(axes: "Axes", one: "Comparison", time: np.ndarray) -> None:
     """A bar along the upper edge where the gap before is significant."""
     index = np.array([-1 if n is None else n for n in one.region] or [-1] * len(time))
     for region in np.unique(index[index >= 0]):
         inside = time[index == region]
-        place = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+        place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
         axes.plot(
             inside[[0, -1]], [1.0, 1.0], color="black", lw=3.5, solid_capstyle="butt", **place
         )
 
 
-def draw_profiles(report, one):
+def draw_profiles(report: "Report", one: "Comparison") -> "Figure":
     """Profiles over x, one panel for each time."""
-    time, x = column(one.time), CENTIMETRES * column(one.x)
+    time, x = column(one.time), CENTIMETRES * column(one.x)  # type: ignore[arg-type]
     moments = np.unique(time)
     lines = (len(moments) + 1) // 2
     figure = new_figure(WIDTH, 0.6 + 1.15 * lines)

@@ -1,7 +1,9 @@
 """The report as one HTML page that needs no other file, and its figures as files of their own."""
 
 import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -35,6 +37,10 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.quantities import observable_words
 from fvcollapse.version import __version__
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Report
+
 TEMPLATE = "report.html.j2"
 PAGE, FIGURES = "report.html", "figures"
 NEXT_CASE = "next_experiment.toml"
@@ -42,7 +48,11 @@ CANDIDATES_OPEN = 5  # hypotheses listed at once
 REGIONS_OPEN = 8  # listed at once; the rest behind a click
 
 
-def write_page(report, folder, draw=None):
+def write_page(
+    report: "Report",
+    folder: str | Path,
+    draw: "Callable[[Report, int], list[Picture]] | None" = None,
+) -> Path:
     """Put `report.html` and `figures/` into a folder; the path of the page.
 
     Parameters
@@ -70,7 +80,7 @@ def write_page(report, folder, draw=None):
     return path
 
 
-def render(report, chapters):
+def render(report: "Report", chapters: "Mapping[str, Sequence[Picture]]") -> str:
     """The page as text; `chapters` are the `pictures` of the report."""
     pictured = [picture for chapter in chapters.values() for picture in chapter]
     return (
@@ -98,7 +108,7 @@ def render(report, chapters):
     )
 
 
-def environment():
+def environment() -> Environment:
     """The environment of the template, with the words as filters."""
     made = Environment(
         loader=PackageLoader("fvcollapse.diagnosis.report"),
@@ -127,7 +137,7 @@ def environment():
     return made
 
 
-def texts_of(report):
+def texts_of(report: "Report") -> dict[str, Any]:
     """Sentences and names of the page, by their names in the template."""
     hypotheses = report.details.hypotheses.values()
     confirmation = report.details.confirmation
@@ -143,7 +153,7 @@ def texts_of(report):
     }
 
 
-def tables_of(report):
+def tables_of(report: "Report") -> dict[str, Sequence[Any]]:
     """Rows of the tables of the page, by their names in the template."""
     return {
         "set_ups": set_up_rows(report),
@@ -160,12 +170,12 @@ def tables_of(report):
     }
 
 
-def address(picture):
+def address(picture: "Picture") -> str:
     """Address of the file of a figure, relative to the page."""
     return quote(f"{FIGURES}/{picture.name}.svg")
 
 
-def inline(picture, prefix):
+def inline(picture: "Picture", prefix: str) -> Markup:
     """A figure as an element of the page; `prefix` keeps its identifiers apart from those of others."""
     svg = picture.svg.decode()
     svg = re.sub(r'( id="|url\(#|href="#)', rf"\g<1>{prefix}-", svg[svg.index("<svg") :])

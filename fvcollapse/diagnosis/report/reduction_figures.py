@@ -1,6 +1,7 @@
 """Figures of the ladder of models and of the sources of uncertainty."""
 
 from itertools import cycle
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,10 +11,16 @@ from fvcollapse.diagnosis.report.words import model_name
 from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
 from fvcollapse.measure.quantities import observable_words
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Misfit, Report
+
 FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
 
 
-def ladder(report):
+def ladder(report: "Report") -> "Picture":
     """Gap of each model and the fraction closed, in fitted and held-out experiments."""
     rungs = report.details.ladder[::-1]
     figure = new_figure(WIDTH, 1.2 + 0.62 * len(rungs))
@@ -35,7 +42,9 @@ def ladder(report):
     return picture(figure, "ladder", alt, "How far the gap shrinks")
 
 
-def draw_rung(panels, row, misfit, colour, marker, word):
+def draw_rung(
+    panels: "tuple[Axes, Axes]", row: float, misfit: "Misfit", colour: str, marker: str, word: str
+) -> None:
     """One model over one group: rms gap (single experiments small), fraction closed with its range."""
     left, right = panels
     singles = list(misfit.by_experiment.values())
@@ -60,7 +69,7 @@ def draw_rung(panels, row, misfit, colour, marker, word):
         )
 
 
-def budget(report):
+def budget(report: "Report") -> "Picture":
     """Share of the variance of the gap that each source of uncertainty has, by observable."""
     table = report.details.budget
     sources = list(dict.fromkeys(name for row in table.values() for name in row))

@@ -1,5 +1,8 @@
 """The ladder of models as parts of the report."""
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.diagnosis.closing import closing, gaps_of, with_simulated
@@ -9,10 +12,17 @@ from fvcollapse.diagnosis.report import schema as form
 from fvcollapse.diagnosis.report.candidates import parameters, units_of_keys
 from fvcollapse.diagnosis.report.limits import confirmation_reasons
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.closing import Closing, Group
+    from fvcollapse.diagnosis.confirmation import ConfirmationTests
+    from fvcollapse.diagnosis.ladder import Ladder
+    from fvcollapse.diagnosis.nuisances import Nuisance
+
 SIZE_UNITS = "standard uncertainties beyond the noise"
 
 
-def reductions(ladder, seed):
+def reductions(ladder: "Ladder", seed: int) -> form.Reductions | None:
     """The gap before and after the winner was added; None if its runs failed."""
     if WINNER not in ladder.fitted.simulated:
         return None
@@ -31,7 +41,7 @@ def reductions(ladder, seed):
     return form.Reductions(fitted=group_reduction(ladder.fitted, seed, left_out), held_out=held_out)
 
 
-def group_reduction(group, seed, values):
+def group_reduction(group: "Group", seed: int, values: Sequence[float]) -> form.Reduction:
     """The `Reduction` of a group of experiments; the range of the whole also covers `values`."""
     observable = group.points.observable
     everything = np.ones(len(group.points), bool)
@@ -45,7 +55,7 @@ def group_reduction(group, seed, values):
     return form.Reduction(overall=closed(overall, SIZE_UNITS), by_observable=by_observable)
 
 
-def closed(part, units):
+def closed(part: "Closing", units: str) -> form.Closed:
     """A `Closing` as the report has it."""
     return form.Closed(
         before=part.before,
@@ -56,7 +66,7 @@ def closed(part, units):
     )
 
 
-def rungs(analysis, ladder):
+def rungs(analysis: "Analysis", ladder: "Ladder") -> list[form.Rung]:
     """The models of the ladder."""
     parts, units = [], units_of_keys()
     folds = fold_fractions(ladder)
@@ -95,7 +105,9 @@ def rungs(analysis, ladder):
     return parts
 
 
-def calibrated(quantities, z, units):
+def calibrated(
+    quantities: "Sequence[Nuisance]", z: np.ndarray, units: Mapping[str, str]
+) -> dict[str, form.Parameter]:
     """{key: `Parameter`} of the calibrated parameters; each once, though experiments may differ."""
     parts = {}
     for quantity, shift in zip(quantities, z, strict=True):
@@ -112,7 +124,13 @@ def calibrated(quantities, z, units):
     return parts
 
 
-def misfit(group, model, seed, values=(), predicted=None):
+def misfit(
+    group: "Group",
+    model: str,
+    seed: int,
+    values: Sequence[float] = (),
+    predicted: np.ndarray | None = None,
+) -> form.Misfit:
     """The `Misfit` of a model over a group."""
     z = gaps_of(group, model) / np.sqrt(np.diag(group.covariance))
     everything = np.ones(len(z), bool)
@@ -132,12 +150,12 @@ def misfit(group, model, seed, values=(), predicted=None):
     )
 
 
-def rms(z):
+def rms(z: np.ndarray) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(z**2)))
 
 
-def confirmation_of(tests):
+def confirmation_of(tests: "ConfirmationTests | None") -> form.Confirmation | None:
     """`ConfirmationTests` as the report has them; None where there are none."""
     if tests is None:
         return None
@@ -153,5 +171,7 @@ def confirmation_of(tests):
         for fold in tests.folds
     ]
     return form.Confirmation(
-        wording=tests.strength, reasons=confirmation_reasons(tests), folds=folds
+        wording=tests.strength,  # type: ignore[arg-type]
+        reasons=confirmation_reasons(tests),
+        folds=folds,
     )

@@ -1,5 +1,8 @@
 """What is left of a gap as parts of the report: its size in practice, and the part that no hypothesis explains."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from msgspec.structs import replace
 
@@ -10,8 +13,14 @@ from fvcollapse.diagnosis.report.regions import region_lines
 from fvcollapse.diagnosis.report.unexplained_words import sentence
 from fvcollapse.diagnosis.unexplained import unexplained
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.analysis import Analysis
+    from fvcollapse.diagnosis.gap_map import Region
+    from fvcollapse.diagnosis.points import Points
+    from fvcollapse.diagnosis.verdict import Verdict
 
-def region_parts(points, regions, z):
+
+def region_parts(points: "Points", regions: "Sequence[Region]", z: np.ndarray) -> list[form.Region]:
     """Significant regions of a gap as the report has them; z (N,) is the gap in standard uncertainties."""
     return [
         form.Region(
@@ -30,7 +39,7 @@ def region_parts(points, regions, z):
     ]
 
 
-def practical_of(analysis):
+def practical_of(analysis: "Analysis") -> dict[str, form.Practical]:
     """{observable: `Practical`} of an analysis."""
     return {
         part.observable: form.Practical(
@@ -47,14 +56,14 @@ def practical_of(analysis):
     }
 
 
-def unexplained_of(analysis, verdict):
+def unexplained_of(analysis: "Analysis", verdict: "Verdict") -> form.Unexplained | None:
     """The `Unexplained` part of the gap.
 
     None where one cause is named, or where several are open and the best of them leaves no significant region.
     """
     if verdict.kind != UNKNOWN and (len(verdict.set) < 2 or not analysis.gap_map.regions):
         return None
-    found = unexplained(analysis)
+    found = unexplained(analysis, verdict.probability)
     if verdict.kind != UNKNOWN and not found.regions:
         return None
     part = form.Unexplained(

@@ -4,6 +4,7 @@ import json
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -22,7 +23,7 @@ class ReportError(FvcollapseError):
     """A report that contradicts itself; nothing is written."""
 
 
-def to_json(report):
+def to_json(report: Report) -> str:
     """The report as the text of `report.json`.
 
     Raises
@@ -41,7 +42,7 @@ def to_json(report):
     return json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def write_report(report, folder):
+def write_report(report: Report, folder: str | Path) -> Path:
     """Put `report.json` into a folder; its path.
 
     Raises
@@ -53,7 +54,7 @@ def write_report(report, folder):
     return path
 
 
-def read_report(path):
+def read_report(path: str | Path) -> Report:
     """The report in a file (or in `report.json` of a folder).
 
     Raises
@@ -74,7 +75,7 @@ def read_report(path):
     return report
 
 
-def plain(value):
+def plain(value: object) -> Any:
     """Arrays and numpy numbers as lists and numbers of Python; arrays to `DIGITS` digits."""
     if isinstance(value, np.ndarray):
         return rounded(value.tolist())
@@ -83,14 +84,14 @@ def plain(value):
     raise ReportError(f"report: a {type(value).__name__} is no value of a report")
 
 
-def rounded(value):
+def rounded(value: Any) -> Any:
     """Nested lists with their floats rounded to `DIGITS` significant digits."""
     if isinstance(value, list):
         return [rounded(item) for item in value]
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
-def without_nan(value, key):
+def without_nan(value: Any, key: str) -> Any:
     """The tree with None for what is not finite in a list; elsewhere that is an error."""
     if isinstance(value, dict):
         return {name: without_nan(item, f"{key}.{name}".strip(".")) for name, item in value.items()}
@@ -104,6 +105,6 @@ def without_nan(value, key):
     return value
 
 
-def missing(value):
+def missing(value: object) -> bool:
     """Whether a value is NaN or infinite."""
     return isinstance(value, float) and not math.isfinite(value)

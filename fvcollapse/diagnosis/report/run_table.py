@@ -3,13 +3,18 @@
 import csv
 import io
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fvcollapse.case.grammar import as_table
 from fvcollapse.diagnosis.report.schema_origin import RunGroup
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.question import flat
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.question import Question
+    from fvcollapse.diagnosis.runner import Runner
 
 RUNS_FILE = "runs.csv"
 COLUMNS = ("experiment", "purpose", "changes", "cell_size_m", "end_s", "status", "cache_folder")
@@ -31,7 +36,7 @@ class RunRow(NamedTuple):
     cache_folder: str
 
 
-def run_rows(runner, question):
+def run_rows(runner: "Runner", question: "Question") -> list[RunRow]:
     """The `RunRow` list of a diagnosis, in the order in which the runs were asked for.
 
     Parameters
@@ -62,7 +67,7 @@ def run_rows(runner, question):
     return rows
 
 
-def changes(before, after):
+def changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
     """{key: value, or "absent"} of the keys in which two flat cases differ."""
     names = [*after, *(name for name in before if name not in after)]
     return {
@@ -70,7 +75,7 @@ def changes(before, after):
     }
 
 
-def purpose_of(changed):
+def purpose_of(changed: Mapping[str, Any] | None) -> str:
     """What a run is for, by the keys that it changes; None: a set-up that was not measured."""
     if changed is None:
         return "a further experiment"
@@ -83,9 +88,9 @@ def purpose_of(changed):
     return "finer grid" if any(name.startswith(GRID) for name in changed) else "model as given"
 
 
-def run_groups(rows):
+def run_groups(rows: Iterable[RunRow]) -> list[RunGroup]:
     """The `RunGroup` list of some rows."""
-    groups = {}
+    groups: dict[tuple[str, str], Counter[str]] = {}
     for row in rows:
         groups.setdefault((row.experiment, row.purpose), Counter()).update([row.status])
     return [
@@ -100,7 +105,7 @@ def run_groups(rows):
     ]
 
 
-def write_runs(rows, folder):
+def write_runs(rows: Iterable[RunRow], folder: str | Path) -> Path:
     """Put the rows into `runs.csv` of a folder; its path.
 
     Raises

@@ -1,17 +1,25 @@
 """Figure of the single numbers of the experiments: measured, before and after."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.diagnosis.names import BASELINE
-from fvcollapse.diagnosis.report.drawing import WIDTH, broken, picture, plain, shared_legend
+from fvcollapse.diagnosis.report.drawing import WIDTH, broken, column, picture, plain, shared_legend
 from fvcollapse.diagnosis.report.words import after_model, model_name
 from fvcollapse.draw.drawing import BLUE, ORANGE, new_figure
 from fvcollapse.measure.quantities import observable_words
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fvcollapse.diagnosis.report.drawing import Picture
+    from fvcollapse.diagnosis.report.schema import Comparison, Report
+
 BAR, MARKERS = 2.0, {"value": "o", "upper": "<", "lower": ">"}
 
 
-def scalars(report):
+def scalars(report: "Report") -> "Picture":
     """Every single number as a dot with its bar, and the simulated ones beside it, relative to what was measured.
 
     The bar covers two combined standard uncertainties; a bound is a triangle that points to where it allows values.
@@ -37,10 +45,10 @@ def scalars(report):
     return picture(figure, "scalars", alt, "Single numbers, relative to what was measured")
 
 
-def draw_row(axes, row, one, n, report):
+def draw_row(axes: "Axes", row: int, one: "Comparison", n: int, report: "Report") -> None:
     """One number: the measured one with its bar, and those of the models."""
-    measured, after = one.measured[n], after_model(report)
-    spread = 100.0 * BAR * one.combined[n] / abs(measured)
+    measured, combined = (float(column(values)[n]) for values in (one.measured, one.combined))
+    after, spread = after_model(report), 100.0 * BAR * combined / abs(measured)
     label = "measured \N{PLUS-MINUS SIGN} 2 combined sd"
     axes.plot([100.0 - spread, 100.0 + spread], [row, row], color="black", lw=1.4)
     axes.plot(100.0, row, MARKERS[one.kind], color="black", markersize=5, label=label)

@@ -5,7 +5,7 @@ figures need beyond it. Numbers are SI. A list may hold gaps (NaN or infinite: n
 single number may be absent (None) where its type says so, and is never NaN or infinite.
 """
 
-from typing import Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.diagnosis.report.parts import Part
@@ -36,6 +36,11 @@ from fvcollapse.diagnosis.report.schema_unexplained import (
     Unexplained,
 )
 from fvcollapse.diagnosis.report.shown import answer_table, arrays_of, draw_probabilities
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.draw.drawing import Picture
 
 __all__ = [
     "Assumption",
@@ -70,8 +75,8 @@ __all__ = [
     "Unexplained",
     "Verdict",
 ]
-FORMAT = "fvcollapse-report"
-FORMAT_VERSION = 1
+FORMAT: Final = "fvcollapse-report"
+FORMAT_VERSION: Final = 1
 
 
 class NextExperiment(Part):
@@ -222,11 +227,11 @@ class Report(Part, kw_only=True):
     warnings: list[Oddity] = []
     details: Details = Details()
 
-    def plot(self):
+    def plot(self) -> "Picture":
         """Probabilities of the first causes as a figure, which a notebook shows."""
         return draw_probabilities(self)
 
-    def to_xarray(self):
+    def to_xarray(self) -> "xarray.DataTree":
         """Measured and simulated values as labelled arrays with units, one group for each curve.
 
         Raises
@@ -236,5 +241,5 @@ class Report(Part, kw_only=True):
         """
         return arrays_of(self)
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return answer_table(self)

@@ -1,6 +1,7 @@
 """The answer of a report in a few sentences, and its headline; `standing` says what they may claim."""
 
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import NONE, RECALIBRATED, UNKNOWN
 from fvcollapse.diagnosis.report.certainty import certainty
@@ -29,6 +30,10 @@ from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import observable_words, shown_gap
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Closed, NextExperiment, Report
+    from fvcollapse.diagnosis.report.standing import Best
+
 LARGEST_REGIONS = 2  # named in the answer
 LEFT_OVER = 1.0 / 3.0  # probability beside the open causes from which "others" are named too
 
@@ -51,12 +56,12 @@ class Answer(NamedTuple):
     cause: str
     certainty: str
     closed: str
-    where: list
+    where: list[str]
     unexplained: str
     following: str
 
 
-def parts_of(report):
+def parts_of(report: "Report") -> Answer:
     """The `Answer` of a report."""
     following = report.next_experiment
     return Answer(
@@ -69,7 +74,7 @@ def parts_of(report):
     )
 
 
-def answer(report):
+def answer(report: "Report") -> list[str]:
     """The answer as labelled lines, the most important first, as the command line prints it."""
     parts = parts_of(report)
     lines = [
@@ -82,7 +87,7 @@ def answer(report):
     return [*lines, *(f"{label}: {text}" for label, text in further.items() if text)]
 
 
-def headline(report):
+def headline(report: "Report") -> str:
     """The verdict in a few words, with the probability of every cause that it names: never firmer than its numbers."""
     state, causes, shares, best = standing(report)
     if state == NOTHING:
@@ -96,17 +101,18 @@ def headline(report):
         names = [*with_chances(causes, shares, report), *more_words(report, causes)]
         return f"These data cannot tell between {listed(names)}"
     first, *others = with_chances(causes, shares, report)
-    names = first + "".join(
+    text = first + "".join(
         f" and {name}" if shares[cause] >= HALF else f", perhaps with {name}"
         for cause, name in zip(causes[1:], others, strict=True)
     )
     if state == NAMED:
-        confirmed = report.details.confirmation.wording == "confirmed"
-        return f"Most likely cause: {names}, {'confirmed' if confirmed else 'not yet confirmed'}"
-    return f"The data lean towards {names}{doubt(report, causes[0], best)}"
+        confirmation = report.details.confirmation
+        is_confirmed = confirmation is not None and confirmation.wording == "confirmed"
+        return f"Most likely cause: {text}, {'confirmed' if is_confirmed else 'not yet confirmed'}"
+    return f"The data lean towards {text}{doubt(report, causes[0], best)}"
 
 
-def doubt(report, cause, best):
+def doubt(report: "Report", cause: str, best: "Best | None") -> str:
     """What speaks against the cause to which the data lean, as the end of a sentence; may be empty."""
     if cause == NONE:
         return ", but a gap is left"
@@ -117,28 +123,28 @@ def doubt(report, cause, best):
     return ", but it is not sure" if supports(report, cause) else ", but it is not confirmed"
 
 
-def more_words(report, causes):
+def more_words(report: "Report", causes: Sequence[str]) -> list[str]:
     """What stands at the end of a list of open causes that holds too little of the probability."""
     others = sum(without(report.verdict.probability, causes).values())
     return ["others"] if others > LEFT_OVER else []
 
 
-def with_chances(causes, shares, report):
+def with_chances(causes: Iterable[str], shares: Mapping[str, float], report: "Report") -> list[str]:
     """Names of causes, each with its probability."""
     return [f"{cause_name(cause, report)} ({percent(shares[cause])})" for cause in causes]
 
 
-def cause_name(cause, report):
+def cause_name(cause: str, report: "Report") -> str:
     """A cause in words; an unknown one lies outside of what was tried."""
     return f"a cause outside {tried(report)}" if cause == UNKNOWN else hypothesis_name(cause)
 
 
-def joined(effects):
+def joined(effects: Iterable[str]) -> str:
     """Several effects that act together, in words."""
     return listed(hypothesis_name(name) for name in effects)
 
 
-def tried(report):
+def tried(report: "Report") -> str:
     """The effects that an unknown cause is not among."""
     known = {name for name, effect in CATALOGUE.items() if effect.kind != NUISANCE}
     return "the catalogue" if known <= set(report.candidates) else "the effects that were tried"
@@ -147,7 +153,7 @@ def tried(report):
 # -- the cause -----------------------------------------------------------------------------------
 
 
-def cause_words(report):
+def cause_words(report: "Report") -> str:
     """Which cause, and the meaning of it; no numbers of place and time."""
     state, causes, shares, best = standing(report)
     if state == NOTHING:
@@ -165,22 +171,25 @@ def cause_words(report):
         )
     names = [cause_name(cause, report) for cause in causes]
     if state == OPEN:
-        names = listed([*names, *more_words(report, causes)])
-        return " ".join([f"open between {names}.", *confusions(report, causes)])
+        several = listed([*names, *more_words(report, causes)])
+        return " ".join([f"open between {several}.", *confusions(report, causes)])
     leads = "" if state == NAMED else "probably " if shares[causes[0]] >= HALF else "perhaps "
     text = f"{leads}{listed(names)}{meaning_of(causes)}."
     return " ".join([text, *confusions(report, causes), *additions(report, causes)])
 
 
-def meaning_of(causes):
+def meaning_of(causes: Iterable[str]) -> str:
     """What the effects among the causes are, in brackets; empty without one."""
     meanings = [meaning for cause in causes if (meaning := effect_meaning(cause))]
     return f" ({'; '.join(one[0].lower() + one[1:] for one in meanings)})" if meanings else ""
 
 
-def confusions(report, causes):
-    """One sentence for each group that cannot be told apart and holds one of the causes."""
-    groups = [group for group in report.verdict.indistinguishable if set(causes) & set(group)]
+def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
+    """One sentence for each group that cannot be told apart and holds one of the causes; of those that overlap one."""
+    groups: list[Sequence[str]] = []
+    for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
+        if set(causes) & set(group) and not any(set(group) & set(other) for other in groups):
+            groups.append(group)
     return [
         f"These data cannot tell apart {listed(hypothesis_name(name) for name in group)}."
         for group in groups
@@ -188,7 +197,7 @@ def confusions(report, causes):
     ]
 
 
-def additions(report, causes):
+def additions(report: "Report", causes: Sequence[str]) -> list[str]:
     """One sentence on the second effects that the data leave open beside the causes."""
     pairs = [set(name.split("+")) for name in report.verdict.set if "+" in name]
     others = dict.fromkeys(
@@ -202,7 +211,7 @@ def additions(report, causes):
 # -- how much closes -----------------------------------------------------------------------------
 
 
-def closed_words(report):
+def closed_words(report: "Report") -> str:
     """How much of the gap closes with the cause really added to the solver."""
     state, causes, _, best = standing(report)
     reduction = report.reduction
@@ -216,7 +225,7 @@ def closed_words(report):
         return f"{text}."
     alone = recalibrated_words(report)
     if state == NOTHING:
-        return f"there is no significant gap to close.{alone}"
+        return "there is no significant gap to close."
     if best is None:
         return f"no effect was added to the solver.{alone}"
     held_out = "" if best.held_out is None else f" and {percent(best.held_out)} in those held out"
@@ -226,7 +235,7 @@ def closed_words(report):
     )
 
 
-def recalibrated_words(report):
+def recalibrated_words(report: "Report") -> str:
     """What a re-calibration without any effect closes; empty where it was not run."""
     for rung in report.details.ladder:
         if rung.model == RECALIBRATED and rung.fitted.fraction_closed is not None:
@@ -236,7 +245,7 @@ def recalibrated_words(report):
     return ""
 
 
-def closed(part):
+def closed(part: "Closed") -> str:
     """Fraction of a gap that closed, with its range."""
     return percent(part.fraction_closed) + (
         f" ({span(part.interval, percent)})" if part.interval else ""
@@ -246,7 +255,7 @@ def closed(part):
 # -- where, and what next ------------------------------------------------------------------------
 
 
-def where_sentence(report):
+def where_sentence(report: "Report") -> str:
     """Where the gap lies."""
     regions = report.where
     if not regions:
@@ -268,11 +277,11 @@ def where_sentence(report):
     )
     return (
         "simulation and experiment differ by more than measurement, grid and calibrated parameters explain"
-        f"{corrected}: {words}{more}."
+        f"{corrected}. Simulated, beside measured: {words}{more}."
     )
 
 
-def expected_gaps(report):
+def expected_gaps(report: "Report") -> str:
     """Root mean square of the model error learned from the controls, in words; empty without controls."""
     parts = []
     for name, size in report.details.expected.items():
@@ -281,7 +290,7 @@ def expected_gaps(report):
     return ", ".join(parts)
 
 
-def next_sentence(measurement):
+def next_sentence(measurement: "NextExperiment") -> str:
     """The most informative next measurement."""
     gain = with_unit(measurement.expected_gain, measurement.units, 2)
     return f"{measurement.description} (expected gain {gain})."

@@ -1,10 +1,18 @@
 """A report in a notebook: the answer as a table, probabilities as a figure, what was compared as labelled arrays."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fvcollapse.draw.html import html_table
 from fvcollapse.files.labelled import Labelled, tree
 from fvcollapse.measure.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fvcollapse.diagnosis.report.schema import Report
+    from fvcollapse.draw.drawing import Picture
 
 MOST_BARS = 8
 PLACES = {
@@ -13,7 +21,7 @@ PLACES = {
 }
 
 
-def answer_table(report):
+def answer_table(report: "Report") -> str:
     """The answer of a report as HTML."""
     from fvcollapse.diagnosis.report.sentences import answer, headline  # which know the schema
 
@@ -21,7 +29,7 @@ def answer_table(report):
     return html_table(headline(report), rows)
 
 
-def draw_probabilities(report):
+def draw_probabilities(report: "Report") -> "Picture":
     """The most probable hypotheses as bars, those of the prediction set in full colour.
 
     Returns
@@ -46,7 +54,7 @@ def draw_probabilities(report):
     return made
 
 
-def arrays_of(report):
+def arrays_of(report: "Report") -> "xarray.DataTree":
     """What was compared, as a tree: one group for each observable of each experiment.
 
     Raises

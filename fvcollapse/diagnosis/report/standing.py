@@ -4,11 +4,15 @@ A cause is an effect, "none" or "unknown". The probability of an effect is that 
 or together with a second one; two effects may therefore have more than 100 % between them.
 """
 
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
 from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import BASELINE, NONE, UNKNOWN, effects_of
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.schema import Report
 
 NAMED, LEANING, OPEN, NOTHING, UNEXPLAINED = "named", "leaning", "open", "nothing", "unexplained"
 HALF = 0.5  # probability from which a cause is named, share of the gap from which it is explained
@@ -21,7 +25,7 @@ BEYOND = 2.0  # ratio of a gap to its combined standard uncertainty that is no a
 class Best(NamedTuple):
     """The model of the ladder that closes most of the fitted gap: its effects, and the fractions that it closes."""
 
-    effects: tuple
+    effects: tuple[str, ...]
     fitted: float
     held_out: float | None
 
@@ -46,47 +50,48 @@ class Standing(NamedTuple):
     """
 
     state: str
-    causes: tuple
-    shares: dict
+    causes: tuple[str, ...]
+    shares: dict[str, float]
     best: Best | None
 
 
-def causes_of(hypothesis):
+def causes_of(hypothesis: str) -> tuple[str, ...]:
     """The causes of a hypothesis: its effects, or itself where it is none."""
     return effects_of(hypothesis) or (hypothesis,)
 
 
-def totals(probability):
+def totals(probability: Mapping[str, float]) -> dict[str, float]:
     """{cause: probability of all hypotheses that hold it}, the largest first."""
-    shares = {}
+    shares: dict[str, float] = {}
     for name, chance in probability.items():
         for cause in causes_of(name):
             shares[cause] = shares.get(cause, 0.0) + chance
     return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
-def alone(probability, cause):
+def alone(probability: Mapping[str, float], cause: str) -> float:
     """Probability that a cause acts and nothing beside it."""
     return probability.get(cause, 0.0)
 
 
-def without(probability, causes):
+def without(probability: Mapping[str, float], causes: Iterable[str]) -> dict[str, float]:
     """{hypothesis: probability} of the hypotheses that hold none of the causes."""
     return {
         name: chance for name, chance in probability.items() if not set(causes) & {*causes_of(name)}
     }
 
 
-def beside(probability, causes):
+def beside(probability: Mapping[str, float], causes: Iterable[str]) -> dict[str, float]:
     """`totals` of the hypotheses that hold none of the causes."""
     return totals(without(probability, causes))
 
 
-def standing(report):
+def standing(report: "Report") -> Standing:
     """The `Standing` of a report."""
-    probability = report.verdict.probability
-    shares, best = totals(probability), best_model(report)
-    first, share = next(iter(shares.items()))
+    probability, shares = may_be_named(report), totals(report.verdict.probability)
+    best = best_model(report)
+    first = next(iter(totals(probability)))
+    share = shares[first]
     rival = next(iter(beside(probability, [first]).values()), 0.0)
     leans = share >= HALF or (share >= LEAST_LEAN and share >= AHEAD * rival)
     if first == NONE and not is_left(report):
@@ -103,7 +108,16 @@ def standing(report):
     return Standing(state, causes, shares, best)
 
 
-def companion(probability, first):
+def may_be_named(report: "Report") -> dict[str, float]:
+    """{hypothesis: probability} without "none" where a gap is left and the set of the verdict has given "none" up."""
+    verdict = report.verdict
+    given_up = bool(verdict.set) and NONE not in verdict.set and is_left(report)
+    if not given_up or verdict.probability.get(NONE, 0.0) >= HALF:
+        return dict(verdict.probability)
+    return {name: chance for name, chance in verdict.probability.items() if name != NONE}
+
+
+def companion(probability: Mapping[str, float], first: str) -> tuple[str, ...]:
     """The effect that acts beside the first with half of its probability or more; () without one."""
     together = {
         other: chance
@@ -112,46 +126,50 @@ def companion(probability, first):
         for other in parts
         if other != first
     }
-    other = max(together, key=together.get, default=None)
+    other = max(together, key=together.__getitem__, default=None)
     if other is None or together[other] < HALF * totals(probability)[first]:
         return ()
     return (other,)
 
 
-def open_causes(probability, first):
+def open_causes(probability: Mapping[str, float], first: str) -> tuple[str, ...]:
     """The causes among which the data cannot tell, at least two.
 
     Each has half of the probability of the first, or is needed for half of the probability together.
     """
     causes, least = [first], HALF * totals(probability)[first]
+    total = sum(probability.values())
     while len(causes) < MOST_OPEN:
         name, chance = next(iter(beside(probability, causes).items()), (None, 0.0))
-        covered = 1.0 - sum(without(probability, causes).values())
-        if name is None or (chance < least and covered >= HALF and len(causes) > 1):
+        covered = total - sum(without(probability, causes).values())
+        if name is None or (chance < least and covered >= HALF * total and len(causes) > 1):
             break
         causes.append(name)
     return tuple(causes)
 
 
-def best_model(report):
+def best_model(report: "Report") -> Best | None:
     """The `Best` model of the ladder with an effect; None where none was run."""
-    rungs = [rung for rung in report.details.ladder if rung.effects]
-    rungs = [rung for rung in rungs if rung.fitted.fraction_closed is not None]
-    if rungs:
-        rung = max(rungs, key=lambda one: one.fitted.fraction_closed)
+    closed = [
+        (fraction, rung)
+        for rung in report.details.ladder
+        if rung.effects and (fraction := rung.fitted.fraction_closed) is not None
+    ]
+    if closed:
+        fraction, rung = max(closed, key=lambda one: one[0])
         held_out = rung.held_out.fraction_closed if rung.held_out else None
-        return Best(tuple(rung.effects), rung.fitted.fraction_closed, held_out)
+        return Best(tuple(rung.effects), fraction, held_out)
     if report.reduction is None or not report.verdict.effects:
         return None
-    held_out = report.reduction.held_out
+    apart = report.reduction.held_out
     return Best(
         tuple(report.verdict.effects),
         report.reduction.fitted.overall.fraction_closed,
-        held_out.overall.fraction_closed if held_out else None,
+        apart.overall.fraction_closed if apart else None,
     )
 
 
-def explains(report):
+def explains(report: "Report") -> bool:
     """Whether a model that was run closes more than half of the gap, with an effect or re-calibrated alone."""
     fractions = [
         part.fraction_closed
@@ -165,7 +183,7 @@ def explains(report):
     return max(fractions, default=0.0) > HALF
 
 
-def is_left(report):
+def is_left(report: "Report") -> bool:
     """Whether a gap is left without any effect: a region, an observable, or all points taken together."""
     none = report.details.hypotheses.get(NONE)
     rejected = (
@@ -175,7 +193,7 @@ def is_left(report):
     return bool(report.where) or beyond or rejected
 
 
-def supports(report, cause):
+def supports(report: "Report", cause: str) -> bool:
     """Whether the runs with a cause confirm it, or are consistent with it."""
     confirmation = report.details.confirmation
     if confirmation is None or confirmation.wording not in (CONFIRMED, CONSISTENT):

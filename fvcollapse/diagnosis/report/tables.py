@@ -1,12 +1,19 @@
 """Tables of the page: rows of words and numbers."""
 
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import BASELINE
 from fvcollapse.diagnosis.points import PHASES
 from fvcollapse.diagnosis.report import words
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.measure.quantities import observable_words, plain_unit, shown_gap, shown_value
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report.drawing import Picture
+
+    Cell = tuple[str, str, str, str, str]  # before, after, unit, fraction closed, its range
+    from fvcollapse.diagnosis.report import schema as form
 
 SHARE_LEAST = 0.005  # of the squared gap: what is less is not listed
 PRIORS = {
@@ -17,7 +24,7 @@ PRIORS = {
 }
 
 
-def set_up_rows(report):
+def set_up_rows(report: "form.Report") -> "list[tuple[str, form.SetUp | None, str, list[str]]]":
     """(name, `SetUp`, fitted or held out, measured observables) of each experiment."""
     rows = []
     for name in (*report.experiments, *report.held_out):
@@ -27,7 +34,9 @@ def set_up_rows(report):
     return rows
 
 
-def picture_groups(report, pictures):
+def picture_groups(
+    report: "form.Report", pictures: "Iterable[Picture]"
+) -> "list[tuple[str, str, str, list[Picture]]]":
     """(experiment, title, fitted or held out, its pictures), the fitted first."""
     groups = []
     for name, set_up, role, _ in set_up_rows(report):
@@ -37,7 +46,7 @@ def picture_groups(report, pictures):
     return groups
 
 
-def gap_rows(report):
+def gap_rows(report: "form.Report") -> list[tuple[str, str, str, str, float, int]]:
     """(observable, rms gap, combined uncertainty, unit, ratio, points) as shown."""
     rows = []
     for name, gap in report.by_observable.items():
@@ -49,18 +58,24 @@ def gap_rows(report):
     return rows
 
 
-def practical_rows(report):
+def practical_rows(report: "form.Report") -> list[tuple[str, str, str, float, str, str, str, bool]]:
     """(observable, unit, beyond noise, share of the mean square, uncertainty, controls, codes, larger) as shown."""
     rows = []
     for name, part in report.details.practical.items():
         factor, unit = shown_gap(name, part.units)
         sizes = (part.beyond, part.uncertainty, part.controls, part.codes)
-        shown = [words.number(None if size is None else factor * size, 2) for size in sizes]
-        rows.append((name, unit, shown[0], part.share, *shown[1:], part.is_larger))
+        beyond, *others = (words.number(scaled(size, factor), 2) for size in sizes)
+        uncertainty, controls, codes = others
+        rows.append((name, unit, beyond, part.share, uncertainty, controls, codes, part.is_larger))
     return rows
 
 
-def share_table(report):
+def scaled(value: float | None, factor: float) -> float | None:
+    """A value times a factor; None where there is none."""
+    return None if value is None else factor * value
+
+
+def share_table(report: "form.Report") -> list[tuple[str, str, list[tuple[float, int] | None]]]:
     """Rows (observable, phase, [(share, sign) or None for each experiment]), what is tiny left out."""
     found = {
         (one.observable, one.phase, one.experiment): (one.share, one.sign)
@@ -75,7 +90,9 @@ def share_table(report):
     return rows
 
 
-def scalar_rows(report):
+def scalar_rows(
+    report: "form.Report",
+) -> list[tuple[str, str, str, list[tuple[str, float | None]]]]:
     """(experiment, observable, measured, before, after, z before, z after) of the single numbers."""
     after = words.after_model(report)
     rows = []
@@ -89,10 +106,10 @@ def scalar_rows(report):
             "lower": "\N{GREATER-THAN OR EQUAL TO} ",
         }
         for n, measured in enumerate(one.measured):
-            sigma = words.number(factor * one.sigma[n], 2)
-            text = f"{sign[one.kind]}{words.number(factor * measured)} \N{PLUS-MINUS SIGN} {sigma} {unit}"
+            sigma = words.number(scaled(one.sigma[n], factor), 2)
+            text = f"{sign[one.kind]}{words.number(scaled(measured, factor))} \N{PLUS-MINUS SIGN} {sigma} {unit}"
             values = [
-                (f"{words.number(factor * one.simulated[model][n])} {unit}", one.z[model][n])
+                (f"{words.number(scaled(one.simulated[model][n], factor))} {unit}", one.z[model][n])
                 if model in one.simulated and one.simulated[model][n] is not None
                 else ("\N{EN DASH}", None)
                 for model in (BASELINE, after)
@@ -101,7 +118,9 @@ def scalar_rows(report):
     return rows
 
 
-def candidate_rows(report):
+def candidate_rows(
+    report: "form.Report",
+) -> "list[tuple[str, float, form.Candidate | None, form.HypothesisSummary | None]]":
     """(name, candidate or None, hypothesis or None) of all hypotheses, the most probable first."""
     return [
         (name, chance, report.candidates.get(name), report.details.hypotheses.get(name))
@@ -109,23 +128,24 @@ def candidate_rows(report):
     ]
 
 
-def reduction_rows(report):
+def reduction_rows(report: "form.Report") -> "list[tuple[str, Cell | None, Cell | None]]":
     """(words, unit, fitted, held out) overall and by observable; each part (before, after, closed)."""
     if report.reduction is None:
         return []
     groups = (report.reduction.fitted, report.reduction.held_out)
     names = dict.fromkeys(name for group in groups if group for name in group.by_observable)
     overall = [group.overall if group else None for group in groups]
-    rows = [("all observables together", *(reduction_cell(part, (1.0, "")) for part in overall))]
+    fitted, held_out = (reduction_cell(part, (1.0, "")) for part in overall)
+    rows = [("all observables together", fitted, held_out)]
     for name in names:
         parts = [group.by_observable.get(name) if group else None for group in groups]
         units = next(part.units for part in parts if part)
-        shown = shown_gap(name, units)
-        rows.append((observable_words(name), *(reduction_cell(part, shown) for part in parts)))
+        fitted, held_out = (reduction_cell(part, shown_gap(name, units)) for part in parts)
+        rows.append((observable_words(name), fitted, held_out))
     return rows
 
 
-def reduction_cell(part, shown):
+def reduction_cell(part: "form.Closed | None", shown: tuple[float, str]) -> "Cell | None":
     """(before, after, unit, fraction, interval) of a `Closed` as shown; None without one."""
     if part is None:
         return None
@@ -137,7 +157,7 @@ def reduction_cell(part, shown):
     return before, after, unit, closed, words.span(part.interval, words.percent)
 
 
-def rung_rows(report):
+def rung_rows(report: "form.Report") -> "list[tuple[form.Rung, list[tuple[str, form.Parameter]]]]":
     """(rung, [(key, parameter)]) of the ladder, effect parameters before re-fitted keys."""
     return [
         (rung, [*rung.parameters.items(), *rung.calibrated.items()])
@@ -145,11 +165,11 @@ def rung_rows(report):
     ]
 
 
-def absorbed_rows(report):
+def absorbed_rows(report: "form.Report") -> list[tuple[str, Sequence[str], list[str]]]:
     """(effect, keys whose calibration may hold it, those of them that were re-calibrated) of what is named or left."""
     names = dict.fromkeys([*report.verdict.effects, *report.verdict.set])
     fitted = {key.partition(" ")[0] for rung in report.details.ladder for key in rung.calibrated}
-    rows = []
+    rows: list[tuple[str, Sequence[str], list[str]]] = []
     for name in names:
         stated = report.details.hypotheses.get(name)
         keys = stated.absorbed_in if stated else ()
@@ -168,31 +188,32 @@ class ShownParameter(NamedTuple):
     prior: str
 
 
-def shown_parameter(one):
+def shown_parameter(one: "form.Parameter") -> ShownParameter:
     """A `Parameter` as the page shows it: lengths in cm."""
     factor, unit = (words.CENTIMETRES, "cm") if one.units == "m" else (1.0, plain_unit(one.units))
 
-    def number(value):
+    def number(value: float) -> str:
         return words.number(factor * value)
 
-    both = one.low is not None and one.high is not None
     return ShownParameter(
         value=number(one.value),
         unit=unit,
-        interval=words.span((one.low, one.high), number) if both else "",
+        interval=words.span((one.low, one.high), number)
+        if one.low is not None and one.high is not None
+        else "",
         prior=prior_words(one.prior, factor) if one.prior else "",
     )
 
 
-def prior_words(prior, factor=1.0):
+def prior_words(prior: "form.PriorRange", factor: float = 1.0) -> str:
     """A prior in words, its numbers times a factor; the second one of a logarithmic normal is none of a length."""
     form = PRIORS.get(prior.kind, "{0}, {1} (" + prior.kind + ")")
     return form.format(words.number(factor * prior.first), words.number(factor * prior.second))
 
 
-def assumed_rows(report):
+def assumed_rows(report: "form.Report") -> "list[tuple[form.Assumption, list[str]]]":
     """(assumption, names of the experiments that share it) of all that was assumed."""
-    shared = {}
+    shared: dict[tuple[str, str], tuple[form.Assumption, list[str]]] = {}
     for one in report.details.assumed:
         shared.setdefault((one.key, one.value), (one, []))[1].append(one.experiment)
     return list(shared.values())

@@ -5,11 +5,17 @@ that counts there (in thin layers one that does not grow with the pressure, at t
 thickness), what sets a phase apart is what the grains do then. No combination is written out by itself.
 """
 
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
 from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import NONE
 from fvcollapse.diagnosis.report.words import hypothesis_name, listed, number
 from fvcollapse.diagnosis.unexplained import BACK, FRONT, MIDDLE, PILE, THIN
 from fvcollapse.measure.quantities import observable_words, shown_gap
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.report import schema as form
 
 MOST = 0.8  # share from which a place or a phase is the only one
 MUCH = 0.25  # and from which it is named
@@ -51,7 +57,7 @@ MOST_PHASES = 2  # that are named; more are the whole collapse
 CHANGES = {1: "Grains move too easily in the simulation.", -1: "Grains do not move easily enough."}
 
 
-def sentence(part):
+def sentence(part: "form.Unexplained") -> str:
     """Where, when and in which direction the remainder lies, and what it reads like.
 
     Parameters
@@ -67,23 +73,23 @@ def sentence(part):
     return f"{place_words(part, places)}, {time_words(part)}: {reading(part, places, phases)}"
 
 
-def totals(part, key):
+def totals(part: "form.Unexplained", key: str) -> dict[str, float]:
     """{place or phase: its share}, the largest first."""
-    sums = {}
+    sums: dict[str, float] = {}
     for one in part.shares:
         name = getattr(one, key)
         sums[name] = sums.get(name, 0.0) + one.share
     return dict(sorted(sums.items(), key=lambda item: -item[1]))
 
 
-def main_keys(part, key):
+def main_keys(part: "form.Unexplained", key: str) -> list[str]:
     """Places or phases that hold much of the remainder, the largest first; at least one."""
     sums = totals(part, key)
     first = next(iter(sums))
     return [name for name, share in sums.items() if share >= MUCH or name == first]
 
 
-def place_words(part, places):
+def place_words(part: "form.Unexplained", places: Sequence[str]) -> str:
     """The places of the remainder."""
     sums = totals(part, "place")
     in_front = sum(share for name, share in sums.items() if name in FRONT_PART)
@@ -96,9 +102,9 @@ def place_words(part, places):
     return f"{mostly}{listed(places)}"
 
 
-def time_words(part):
+def time_words(part: "form.Unexplained") -> str:
     """The times of the remainder, in the experiment that has most of it."""
-    if part.t_range is None:
+    if part.t_range is None or part.span is None:
         return "over the whole collapse"
     (start, stop), (first, last) = part.t_range, part.span
     if start <= first and stop >= last:
@@ -110,12 +116,12 @@ def time_words(part):
     return f"until {stop:.2f} s" if start <= first else f"from {start:.2f} to {stop:.2f} s"
 
 
-def reading(part, places, phases):
+def reading(part: "form.Unexplained", places: Sequence[str], phases: Sequence[str]) -> str:
     """Which quantity would have to change."""
     if places[0] == PILE:
         return volume_reading(part)
     thing = listed(dict.fromkeys(OBJECTS[place] for place in shown_places(places)))
-    clauses = []
+    clauses: list[str] = []
     for side, together in sides_of(part, places, phases):
         when = listed(MOMENTS[phase] for phase in together)
         clauses.append(f"{VERBS[side].format('them' if clauses else thing)} {when}")
@@ -124,7 +130,7 @@ def reading(part, places, phases):
     return f"something that {' and '.join(clauses)}"
 
 
-def volume_reading(part):
+def volume_reading(part: "form.Unexplained") -> str:
     """What would have to change where the volume of the whole pile is off."""
     size = part.sizes.get("volume")
     if size is None or size.mean == 0.0:
@@ -132,19 +138,21 @@ def volume_reading(part):
     return f"something that makes the grains take {'less' if size.mean > 0.0 else 'more'} room"
 
 
-def shown_places(places):
+def shown_places(places: Sequence[str]) -> list[str]:
     """Front and thin part together are thin layers."""
     return [place for place in places if place != FRONT or THIN not in places]
 
 
-def in_order(phases):
+def in_order(phases: Collection[str]) -> list[str]:
     """Phases in the order of the collapse."""
     return [name for name in MOMENTS if name in phases]
 
 
-def sides_of(part, places, phases):
+def sides_of(
+    part: "form.Unexplained", places: Collection[str], phases: Collection[str]
+) -> list[tuple[int, list[str]]]:
     """[(side, its phases)] in the order of the collapse, neighbours of one side together."""
-    groups = []
+    groups: list[tuple[int, list[str]]] = []
     for phase in in_order(phases):
         own = [one for one in part.shares if one.phase == phase and one.place in places]
         side = side_of([(one.share, one.direction) for one in own])
@@ -155,7 +163,7 @@ def sides_of(part, places, phases):
     return groups
 
 
-def side_of(weighted):
+def side_of(weighted: Sequence[tuple[float, float]]) -> int:
     """+1: the simulated grains move too easily, -1: not easily enough, 0: neither; of (share, direction)."""
     told = sum(share for share, direction in weighted if direction)
     total = sum(share for share, _ in weighted)
@@ -165,7 +173,7 @@ def side_of(weighted):
     return 1 if mean > 0.0 else -1
 
 
-def size_words(part):
+def size_words(part: "form.Unexplained") -> str:
     """How large it is, by observable."""
     words = []
     for name, size in part.sizes.items():
@@ -175,7 +183,7 @@ def size_words(part):
     return listed(words)
 
 
-def stress_words(part):
+def stress_words(part: "form.Unexplained") -> str:
     """What counts at the place and, where that is no matter of the volume, at the time of the remainder."""
     place, phases = main_keys(part, "place")[0], main_keys(part, "phase")
     if place == PILE or len(phases) > MOST_PHASES:
@@ -184,7 +192,7 @@ def stress_words(part):
     return f"{STRESSES[place]}; and then: {listed(times)}"
 
 
-def likeness_words(one):
+def likeness_words(one: "form.Likeness") -> str:
     """How an effect resembles the remainder, and what speaks against it."""
     name = hypothesis_name(one.effect)
     if one.cosine < 0.0:
@@ -198,7 +206,7 @@ def likeness_words(one):
     return f"{name} ({number(one.cosine, 2)}{reasons})"
 
 
-def unexplained_words(part):
+def unexplained_words(part: "form.Unexplained | None") -> str:
     """The answer's sentences on what is left unexplained; empty where nothing is."""
     if part is None:
         return ""
@@ -219,7 +227,7 @@ def unexplained_words(part):
     return " ".join(texts)
 
 
-def practical_words(report):
+def practical_words(report: "form.Report") -> list[str]:
     """How large the gap is in practice, one sentence; none where nothing is beyond the noise."""
     parts = {name: part for name, part in report.details.practical.items() if part.beyond > 0.0}
     if not parts:
@@ -236,10 +244,18 @@ def practical_words(report):
     taught = any(part.controls is not None for part in parts.values())
     whose = "the controls leave open" if taught else "two codes for the same equations differ by"
     beside = f"; {whose} {listed(compared)}" if compared else ""
-    return [f"Beyond noise and calibration (root mean square): {sizes}{beside}."]
+    sentences = [f"Beyond noise and calibration (root mean square): {sizes}{beside}."]
+    if not taught and compared and all(is_honest(part) for part in parts.values()):
+        sentences.append("So the gap is no larger than the choice of a code makes it.")
+    return sentences
 
 
-def length(name, part, value):
+def is_honest(part: "form.Practical") -> bool:
+    """Whether what is left of an observable is no larger than two codes differ by."""
+    return part.codes is not None and part.beyond <= part.codes
+
+
+def length(name: str, part: "form.Practical", value: float) -> str:
     """A size of an observable as it is shown."""
     factor, unit = shown_gap(name, part.units)
     return f"{number(factor * value, 2)} {unit}".rstrip()

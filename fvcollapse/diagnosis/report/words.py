@@ -1,10 +1,15 @@
 """Names of hypotheses and models, and numbers with units, in plain words."""
 
-from typing import get_args, get_type_hints
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, get_args, get_type_hints
 
 from fvcollapse.case.case import Effects
 from fvcollapse.diagnosis.names import BASELINE, NONE, RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
 from fvcollapse.measure.quantities import observable_words, plain_unit
+
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.next_candidates import Candidate
+    from fvcollapse.diagnosis.report.schema import Report, Verdict
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
@@ -19,12 +24,12 @@ CHANGES = {
 REST = {NONE: "no missing effect", UNKNOWN: "a cause outside the catalogue"}
 
 
-def hypothesis_name(name):
+def hypothesis_name(name: str) -> str:
     """An effect, a pair, "none" or "unknown" in words."""
     return REST.get(name) or " + ".join(part.replace("_", " ") for part in name.split("+"))
 
 
-def effect_meaning(name):
+def effect_meaning(name: str) -> str:
     """First line of what the case file says of an effect; of a pair both; empty for the others."""
     sections = get_type_hints(Effects)
     lines = []
@@ -35,7 +40,7 @@ def effect_meaning(name):
     return "; ".join(lines)
 
 
-def model_name(model, report):
+def model_name(model: str, report: "Report") -> str:
     """A model of the ladder in words."""
     effects = {rung.model: "+".join(sorted(rung.effects)) for rung in report.details.ladder}
     if model == BASELINE:
@@ -47,22 +52,22 @@ def model_name(model, report):
     return f"with {added}, re-calibrated"
 
 
-def after_model(report):
+def after_model(report: "Report") -> str:
     """The model that the page calls "after": with the effect, else re-calibrated, else as given."""
     simulated = {model for one in report.details.comparisons for model in one.simulated}
     return next((model for model in (WINNER, RECALIBRATED) if model in simulated), BASELINE)
 
 
-def ranking(report):
+def ranking(report: "Report") -> list[tuple[str, float]]:
     """(hypothesis, probability), the most probable first, of equal ones that with more evidence.
 
     Of two effects together only the best pair is shown, and others of some probability.
     """
 
-    def rank(item):
+    def rank(item: tuple[str, float]) -> tuple[float, float]:
         stated = report.details.hypotheses.get(item[0])
-        known = stated is not None and stated.log_evidence is not None
-        return -item[1], -stated.log_evidence if known else 0.0
+        known = None if stated is None else stated.log_evidence
+        return -item[1], 0.0 if known is None else -known
 
     ranked = sorted(report.verdict.probability.items(), key=rank)
     first = next((name for name, _ in ranked if "+" in name), None)
@@ -73,7 +78,7 @@ def ranking(report):
     ]
 
 
-def number(value, digits=3):
+def number(value: float | None, digits: int = 3) -> str:
     """A number in `digits` significant digits without an exponent where that is short."""
     if value is None:
         return "\N{EN DASH}"
@@ -83,12 +88,12 @@ def number(value, digits=3):
     return text.replace("-", MINUS)
 
 
-def tenths(value):
+def tenths(value: float | None) -> str:
     """A number with one decimal; a dash without one."""
     return "\N{EN DASH}" if value is None else f"{value:.1f}".replace("-", MINUS)
 
 
-def percent(share):
+def percent(share: float | None) -> str:
     """A fraction in per cent, without decimals; near 0 and 1 only a bound."""
     if share is None:
         return "\N{EN DASH}"
@@ -100,7 +105,7 @@ def percent(share):
     return f"{whole} %".replace("-", MINUS)
 
 
-def span(interval, show=number):
+def span(interval: tuple[float, float] | None, show: Callable[[float], str] = number) -> str:
     """An interval in words, or an empty text; a unit that both ends have is written once."""
     if interval is None:
         return ""
@@ -108,34 +113,34 @@ def span(interval, show=number):
     return f"{low.removesuffix(' %') if high.endswith(' %') else low} to {high}"
 
 
-def with_unit(value, units, digits=3):
+def with_unit(value: float, units: str, digits: int = 3) -> str:
     """A number with its unit; "1" and "-" are none."""
     return f"{number(value, digits)} {plain_unit(units)}".rstrip()
 
 
-def in_cm(metres):
+def in_cm(metres: float) -> str:
     """A length in cm with its unit."""
     return f"{number(CENTIMETRES * metres)} cm"
 
 
-def listed(words, last="and"):
+def listed(words: Iterable[str], last: str = "and") -> str:
     """`a, b and c`."""
     words = list(words)
     return f"{', '.join(words[:-1])} {last} {words[-1]}" if len(words) > 1 else "".join(words)
 
 
-def hypotheses_listed(names):
+def hypotheses_listed(names: Iterable[str]) -> str:
     """Some hypotheses in words."""
     return listed(hypothesis_name(name) for name in names)
 
 
-def first_causes(verdict, count=3):
+def first_causes(verdict: "Verdict", count: int = 3) -> str:
     """The most probable hypotheses of a verdict, with their probabilities."""
     first = list(verdict.probability.items())[:count]
     return ", ".join(f"{hypothesis_name(name)} {percent(share)}" for name, share in first)
 
 
-def candidate_words(candidate):
+def candidate_words(candidate: "Candidate") -> str:
     """A `next_candidates.Candidate` in words: what differs from the experiment of reference."""
     if candidate.added:
         added = listed(observable_words(name) for name in candidate.added)

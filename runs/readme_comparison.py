@@ -1,0 +1,97 @@
+"""Aluminium bars and the steady front beside the measurements, for the README of the comparison."""
+
+from runs.readme_stamps import solver_line
+from runs.readme_tables import bullets, rounded, signed, span, table
+from runs.table import RUNS, read_table
+
+BARS, FRONT = "comparison/bars.csv", "comparison/steady_front.csv"
+EFFECTS = {"without": "without", "thickness": "`thin_layer`", "nonlocal": "`thin_layer`, nonlocal"}
+SHOWN = {  # profile and time of steady_front.csv: words
+    ("beads, h_inf=11.6mm", ""): "beads, 11.6 mm",
+    ("beads, h_inf=14.9mm", ""): "beads, 14.9 mm",
+    ("beads, h_inf=4.5mm", ""): "beads, 4.5 mm",
+    ("model, without, 8 cells", "2.25"): "model, 2.25 s",
+    ("model, thin_layer, 8 cells", "2.25"): "model with `thin_layer` (1.14 d), 2.25 s",
+    ("dh/dx = tan(slope) - mu", ""): "dh/dx = tan θ − µ",
+}
+MISSING = "–"
+
+
+# -- aluminium bars ------------------------------------------------------------------------------
+
+
+def bars_rows():
+    """The row of the experiment, and {(law, effect): row} of the model."""
+    measured, *rows = read_table(RUNS / BARS)
+    return measured, {(row["law"], row["thin_layer"]): row for row in rows}
+
+
+def bars():
+    """Deposit, front and failure line of every law, with and without thin_layer."""
+    measured, rows = bars_rows()
+    lines = [("measured", "", f"{rounded(measured['front'])} mm", "", "", "")]
+    for (law, effect), row in rows.items():
+        lines.append(
+            (
+                law,
+                EFFECTS[effect],
+                f"{rounded(row['front'])} mm",
+                f"{signed(behind(row, measured), 1)} mm",
+                f"{rounded(row['rms_deposit'], 1)} mm",
+                f"{rounded(row['rms_failure_line'], 1)} mm",
+            )
+        )
+    heading = (
+        "law: µ₂, I₀",
+        "`thin_layer`",
+        "front",
+        "less measured",
+        "deposit, rms",
+        "failure line, rms",
+    )
+    return table(heading, lines) + solver_line(BARS)
+
+
+def behind(row, measured):
+    """Front of a row less that measured, mm."""
+    return float(row["front"]) - float(measured["front"])
+
+
+def bars_say():
+    """What thin_layer changes of the bars, with the laws whose friction rises with the shear rate and without."""
+    _, rows = bars_rows()
+    laws = list(dict.fromkeys(law for law, _ in rows))
+    groups = {
+        "the laws µ(I)": [law for law in laws if law.startswith("mu(I)")],
+        "Drucker–Prager": [law for law in laws if not law.startswith("mu(I)")],
+    }
+    return bullets(
+        [
+            f"{words} moves the front of {of} by {moved(rows, found, effect, 'front', 1)} mm and the difference of the "
+            f"deposit by {moved(rows, found, effect, 'rms_deposit', 2)} mm rms."
+            for of, found in groups.items()
+            for effect, words in EFFECTS.items()
+            if effect != "without"
+        ]
+    )
+
+
+def moved(rows, laws, effect, column, digits):
+    """By how much an effect moves a number of some laws."""
+    by = [float(rows[law, effect][column]) - float(rows[law, "without"][column]) for law in laws]
+    return span([round(value, digits) for value in by], lambda value: signed(value, digits))
+
+
+# -- steady front --------------------------------------------------------------------------------
+
+
+def steady_front():
+    """Thickness behind the front of beads, of the model and of the theory, in layers."""
+    rows = {(row["profile"], row["time"]): row for row in read_table(RUNS / FRONT)}
+    places = [name for name in next(iter(rows.values())) if name.startswith("h_at_")]
+    lines = [
+        (words, *(rounded(rows[of][place], 2) if rows[of][place] else MISSING for place in places))
+        for of, words in SHOWN.items()
+    ]
+    heading = ("behind the front, layers", *(place.removeprefix("h_at_") for place in places))
+    return table(heading, lines) + solver_line(FRONT)
