@@ -2,8 +2,7 @@
 
     python -m plots.laboratory_columns
 
-Writes plots/figures/laboratory_columns.png and its caption (.txt); nothing is computed here but the interpolation
-between the frictions that were run.
+Writes plots/figures/laboratory_columns.png and its caption (.txt); nothing is computed here.
 """
 
 from pathlib import Path
@@ -12,10 +11,11 @@ import numpy as np
 
 from fvcollapse.draw.drawing import BLUE, GREY, ORANGE, new_figure, png
 from fvcollapse.files.atomic import write_atomic
-from runs.laboratories.columns import QUANTITIES, WALLS, computed
 from runs.table import RUNS, read_table
 
 HERE = Path(__file__).parent
+WALLS = ("absent", "measured")
+QUANTITIES = ("runout", "final_height")
 SOURCE = RUNS / "laboratories"
 LABELS = {
     "runout": "run-out, computed / measured",
@@ -43,9 +43,12 @@ def panel(axes, rows, fits):
                 aspect, 1.0 - sigma / measured, 1.0 + sigma / measured, color=GREY, alpha=0.35, lw=0
             )
             axes.axhline(1.0, color=GREY, lw=1.0)
-        faces = {float(fits[walls]["factor"]): COLOURS[walls]} | {1.0: "none"}
-        for factor, face in faces.items():
-            ratio = [computed(row, factor) / float(row["measured"]) for row in own]
+        fitted = float(fits[walls]["factor"])
+        shown = {"computed_fitted": (fitted, COLOURS[walls]), "computed_1": (1.0, "none")}
+        for name, (factor, face) in shown.items():
+            if name == "computed_fitted" and fitted == 1.0:
+                continue
+            ratio = [float(row[name]) / float(row["measured"]) for row in own]
             axes.plot(
                 aspect,
                 ratio,

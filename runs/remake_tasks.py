@@ -209,6 +209,13 @@ TASKS = (
         (*COMPARED, "runs/comparison/deposit_shapes.csv", "runs/comparison/reference/*.csv"),
     ),
     study("comparison", "steady_front", ("steady_front.csv",), ("thin_layer",), 240.0, ""),
+    study("laboratories", "columns", ("columns.csv", "columns_fit.csv"), WALLS, 800.0),
+    figures(
+        "laboratory_columns",
+        "laboratory_columns",
+        ("laboratory_columns.*",),
+        ("runs/laboratories/columns*.csv",),
+    ),
     study("acceptance", "random", ("random.csv",), WALLS, 600.0),
     report("verification", ("verify",), "verification/verify.json", 300.0),
     report("bench", ("bench",), "bench/bench.json", 360.0),

@@ -171,6 +171,10 @@ BORROWED = {
     ("runs", "runs.paper.settled"),  # names of readings, for the README of the paper
     ("runs", "runs.paper.verdicts"),
     ("runs", "runs.laboratories.study"),  # names of the laboratories, for their README
+    ("runs", "runs.paper_facts.sets"),  # names of sets and variants, for theirs
+    ("runs", "runs.paper_facts.study"),
+    ("runs", "runs.particle_laboratory.thin_layers"),
+    ("runs", "runs.particle_laboratory.walls"),
 }
 
 

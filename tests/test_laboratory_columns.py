@@ -84,7 +84,8 @@ def test_the_figure_is_drawn(tmp_path, monkeypatch):
     monkeypatch.setattr(figure, "SOURCE", tmp_path)
     monkeypatch.setattr(figure, "HERE", tmp_path)
     (tmp_path / "figures").mkdir()
-    write_table(tmp_path / "columns.csv", rows())
+    fitted = [row | {"computed_fitted": row["measured"]} for row in rows()]
+    write_table(tmp_path / "columns.csv", fitted)
     write_table(tmp_path / "columns_fit.csv", [columns.fit(rows(), w) for w in columns.WALLS])
     figure.main()
     assert (tmp_path / "figures" / "laboratory_columns.png").stat().st_size > 10_000

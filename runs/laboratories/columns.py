@@ -42,8 +42,11 @@ def columns(options):
     found = read_columns(options.experiments / FOLDER)
     results = run_cached(cases_of(found, options.cell_size), options)
     rows = [row for column in found for row in rows_of(column, results)]
-    write_table(options.tables / "columns.csv", rows)
     fits = [fit(rows, walls) for walls in WALLS]
+    factors = {one["walls"]: one["factor"] for one in fits}
+    for row in rows:
+        row["computed_fitted"] = round(computed(row, factors[row["walls"]]), 6)
+    write_table(options.tables / "columns.csv", rows)
     write_table(options.tables / "columns_fit.csv", fits)
     for one in fits:
         print("  ".join(f"{key} {value}" for key, value in one.items()))

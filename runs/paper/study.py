@@ -38,10 +38,10 @@ SEARCHES = {
 
 def do_parts(options):
     """Run what is asked for, and write all that follows; return a line for each missing run."""
-    missing = [
+    missing = do_groups(options) if set(options.parts) - set(SEARCHES) else []
+    return missing + [
         line for part in SEARCHES if part in options.parts for line in SEARCHES[part](options)
     ]
-    return missing + (do_groups(options) if set(options.parts) - set(SEARCHES) else [])
 
 
 def do_groups(options):
