@@ -4,9 +4,9 @@ A front that is read off a grid moves from cell to cell, so its speed is known o
 many as take 80 ms. A phase is a stretch of time after the peak in which the speed
 
 - stays within 15 % of its mean,
-- is at most half of the peak and at least a tenth of it,
+- has fallen to half of the peak, where its mean stays, and is at least a tenth of it,
 - falls by a smaller fraction per time than a third of what it fell per time from the peak to there,
-- brings the front at least four cells farther.
+- brings the front at least six cells farther: three speeds that share none.
 
 The third tells it from a front that merely slows down: a constant deceleration takes a growing fraction of the speed,
 an exponential decay always the same one. Pure functions of arrays, SI units.
@@ -22,8 +22,8 @@ SMOOTHED = 0.08  # s, least time over which a speed is taken
 MOST_CELLS = 60  # half of the largest way over which a speed is taken; 12 m/s on 8 mm cells
 EARLIEST = 0.08  # s; before, the front is a vertical wall that is read to a cell
 BAND = 0.15  # of the mean speed
-SLOWED, CREEPING = 0.5, 0.1  # of the peak: a slow front is at most and at least as fast
-LEAST_WAY = 4.0  # cells
+SLOWED, CREEPING = 0.5, 0.1  # of the peak: where a front is slow, and where it creeps
+LEAST_WAY = 6.0  # cells: three speeds that share none
 STEADIER = 1.0 / 3.0  # of the relative deceleration before
 LEAST_TIME = 0.15  # s; the paper's slow phases are no shorter
 
@@ -98,14 +98,14 @@ def slow_phase(of, band=BAND):
 def least_ratio(of):
     """The least relative deceleration over 0.15 s of slow motion, over the mean one from the peak to there.
 
-    1 of an exponential decay, more of a constant deceleration, below a third in a slow phase. NaN where the front is
-    never slow, or too slow, for that long.
+    Over more than 0.15 s where six cells take longer. 1 of an exponential decay, more of a constant deceleration, at
+    most a third in a slow phase. NaN where the front is never slow, or creeps, for that long.
     """
     least = math.nan
     for _, duration, _, slow, ratio in stretches(of, math.inf):
-        fits = slow & (np.abs(duration - LEAST_TIME) < 0.5 * STEP)
-        if fits.any():
-            least = float(np.fmin(least, ratio[fits][0]))
+        fits = np.flatnonzero(slow & (duration >= LEAST_TIME - 0.5 * STEP))
+        if fits.size:
+            least = float(np.fmin(least, ratio[fits[0]]))
     return least
 
 
@@ -119,14 +119,14 @@ def stretches(of, band):
     duration, speed : (m,) arrays
         [s], mean [m/s]
     steady : (m,) bool array
-        Within the band of the mean, slow, and far enough.
+        Within the band of the mean, slow, no creep, and far enough.
     ratio : (m,) array
         Relative deceleration by least squares over the mean one from the peak to the start.
     """
     peak = of.peak
     for first in range(peak + 1, len(of.time) - 2):
         stop = first + int(np.argmin(np.append(of.speed[first:], 0.0) > 0.0))
-        if stop - first < 3:
+        if stop - first < 3 or of.speed[first] > SLOWED * of.speed[peak]:
             continue
         part = slice(first, stop)
         duration, fall = of.time[part] - of.time[first], np.log(of.speed[part])
