@@ -17,7 +17,6 @@ from plots import (
     paper_profiles,
     paper_refinement,
     paper_sensitivity,
-    paper_slow_phase,
     paper_style,
     paper_verdicts,
     paper_viscosity_field,
@@ -40,7 +39,6 @@ FIGURES = (
     paper_closure,
     paper_double_counting,
     paper_sensitivity,
-    paper_slow_phase,
     paper_beds,
     paper_verdicts,
 )

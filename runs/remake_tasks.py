@@ -157,6 +157,7 @@ TASKS = (
         ("runs/acceptance/matrix.csv", "runs/acceptance/grid.csv"),
     ),
     *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
+    study("paper", "slow_phase", ("slow_phase/phases.csv",), None, 1633.0),
     Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
     figures("paper", "paper", ("paper_*",), (*PAPER, *STATEMENTS), 60.0),
     study("paper_facts", "facts", ("facts.csv", "facts_sets.csv"), None, 840.0),

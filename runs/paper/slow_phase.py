@@ -1,19 +1,15 @@
-"""The search for a slow phase of the front at 22 deg: combinations, tables, fronts for the figure.
+"""The search for a slow phase of the front at 22 deg: combinations and their table.
 
 Every combination is run on the cells asked for, and some of each kind on cells two thirds as large. What has a phase
 there, read at any thickness, is run on cells half as large.
 """
 
-import json
-import math
-
 import numpy as np
 
-from fvcollapse.case.case import Case
-from runs.paper.slow_front import LEAST_TIME, STEP, least_ratio, motion, slow_phase
-from runs.paper.slow_sets import FINER_SETS, SHOWN, all_sets
-from runs.study import add_rows, cost, finished_run, run_in_folders, run_settings
-from runs.table import CURVE, RUN, Curve, curve_row, read_table, to_float, write_table
+from runs.paper.slow_front import LEAST_TIME, least_ratio, motion, slow_phase
+from runs.paper.slow_sets import FINER_SETS, all_sets
+from runs.study import add_rows, cost, run_settings
+from runs.table import read_table, to_float
 
 FRONTS = {"1mm": "runout_1mm", "5mm": "runout", "10mm": "runout_10mm"}  # series of a result
 FINER = (1.0, 1.5, 2.0)  # cells of 6, 4, 3 mm
@@ -34,7 +30,7 @@ def search(options):
             for name in FINER_SETS
             if finer == FINER[0] or has_phase(rows.get(grid_name(name, size)))
         ]
-    return missing + write_speeds(options)
+    return missing
 
 
 def grid_name(name, size):
@@ -51,11 +47,11 @@ def add_phases(path, settings, options):
     """Run what a table lacks, and add its rows; return a line for each run that failed."""
     missing, rows = [], []
     out = options.out / "slow_phase"
-    for name, first, result, problem in run_settings(path, settings, out, options.workers):
+    for name, _, result, problem in run_settings(path, settings, out, options.workers):
         if result is None:
             missing.append(problem)
         else:
-            rows.append(first | phases(result) | {"cpu_s": round(cost(out / name), 1)})
+            rows.append({"name": name} | phases(result) | {"cpu_s": round(cost(out / name), 1)})
     add_rows(path, rows)
     return missing
 
@@ -77,35 +73,3 @@ def phases(result):
             f"runout_{mm}_m": float(result.series[series][-1]),
         }
     return row | {"arrest_s": result.summary()["arrest_time"]}
-
-
-def write_speeds(options):
-    """Write how fast the fronts of the combinations of the figure are, on every grid they were run on."""
-    folder, rows, missing = options.tables / "slow_phase", [], []
-    done = {row["name"]: json.loads(row["settings"]) for row in read_table(folder / "phases.csv")}
-    for name in SHOWN:
-        for finer in FINER:
-            run = grid_name(name, options.cell_size / finer)
-            if run not in done:
-                continue
-            at = options.out / "slow_phase" / run
-            run_in_folders({at: Case().replace(**done[run])}, 1)
-            result, problem = finished_run(at)
-            if result is None:
-                missing.append(problem)
-                continue
-            first = {
-                "case": name,
-                "refinement": finer,
-                "cell_size_mm": 1e3 * options.cell_size / finer,
-            }
-            rows += [curve_row(first, curve) for curve in speeds(result)]
-    write_table(folder / "speeds.csv", rows, (*RUN, *CURVE))
-    return missing
-
-
-def speeds(result):
-    """The `Curve`s of the speed of the fronts of a result [m/s]."""
-    for mm, series in FRONTS.items():
-        of = motion(result.time, result.series[series], result.case.grid.cell_size)
-        yield Curve(f"speed_{mm}_m_s", math.nan, math.nan, "t_s", 0.0, STEP, of.speed, 3)
