@@ -135,7 +135,7 @@ def test_controls_are_told(by_formula, tmp_path):
         for n, slope in enumerate((10.0, 16.0))
     ]
     one = film(tmp_path / "one", 13.0, swelling=0.05, seed=5)
-    out, options = tmp_path / "out", {"effects": ("cohesion", "gate"), "draws": 8}
+    out, options = tmp_path / "out", {"effects": ("cohesion", "gate"), "draws": 8, "workers": 1}
     report = fvcollapse.diagnose([one], controls=controls, folder=out, **options)
     assert report.verdict.kind == "none"
     assert report.experiments == ["one"]

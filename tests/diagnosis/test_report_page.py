@@ -15,9 +15,10 @@ from fvcollapse.diagnosis.gap_map import Region as MapRegion
 from fvcollapse.diagnosis.names import BASELINE, WINNER
 from fvcollapse.diagnosis.oddities import Oddity
 from fvcollapse.diagnosis.points import Block
-from fvcollapse.diagnosis.report import sentences, words
+from fvcollapse.diagnosis.report import figures, sentences, words
+from fvcollapse.diagnosis.report import page as page_module
 from fvcollapse.diagnosis.report.bars import bars, ranking_note
-from fvcollapse.diagnosis.report.drawing import column
+from fvcollapse.diagnosis.report.drawing import Picture, column
 from fvcollapse.diagnosis.report.figures import drawable, pictures
 from fvcollapse.diagnosis.report.gap_figures import cell
 from fvcollapse.diagnosis.report.page import write_page
@@ -79,10 +80,15 @@ def small(kind="effect", experiments=(FITTED[2], HELD_OUT[0]), observables=("fro
     return replace(report, details=replace(report.details, comparisons=kept))
 
 
-def written(report, folder):
+def written(report, folder, draw=None):
     """The page of a report that went through its file."""
     write_report(report, folder)
-    return Page(write_page(read_report(folder), folder).read_text(encoding="utf-8"))
+    return Page(write_page(read_report(folder), folder, draw).read_text(encoding="utf-8"))
+
+
+def blank(report, count):
+    """In the place of figures, for a page whose words are looked at."""
+    return [Picture(f"blank_{n}", b"<svg></svg>", "nothing", "") for n in range(count)]
 
 
 @pytest.fixture(scope="module")
@@ -92,13 +98,24 @@ def report():
 
 @pytest.fixture(scope="module")
 def folder(report, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("report")
-    written(report, folder)
-    return folder
+    """The folder of a report with its page."""
+    return tmp_path_factory.mktemp("report")
 
 
 @pytest.fixture(scope="module")
-def page(folder):
+def chapters(report, folder):
+    """The figures of all chapters, drawn from the file by this process, as they went to the page."""
+    kept = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            page_module, "pictures", lambda *found: kept.append(pictures(*found)) or kept[0]
+        )
+        written(report, folder)
+    return kept[0]
+
+
+@pytest.fixture(scope="module")
+def page(folder, chapters):
     return Page((folder / "report.html").read_text(encoding="utf-8"))
 
 
@@ -238,12 +255,6 @@ def test_folder_that_cannot_be_written(report, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def chapters(folder):
-    """The figures of all chapters, drawn from the file, as the page is, by this process."""
-    return pictures(read_report(folder))
-
-
-@pytest.fixture(scope="module")
 def drawn(chapters):
     """The same by name."""
     return {one.name: one for chapter in chapters.values() for one in chapter}
@@ -287,9 +298,8 @@ def test_a_page_shows_a_gap_in_one_unit(tmp_path):
         closed[name] = Closed(gap, gap, 0.0, None, unit)
     fitted = replace(report.reduction.fitted, by_observable=closed)
     reduction = replace(report.reduction, fitted=fitted, held_out=None)
-    page = written(
-        replace(report, where=regions, by_observable=sizes, reduction=reduction), tmp_path
-    )
+    report = replace(report, where=regions, by_observable=sizes, reduction=reduction)
+    page = written(report, tmp_path, blank)
     for name, gap in gaps.items():
         factor, unit = QUANTITIES[name].gap_shown
         number = re.escape(words.number(factor * gap, 2))
@@ -315,8 +325,9 @@ def test_figures_are_the_same_each_time(drawn, folder):
     report = read_report(folder)
     one = [one for one in report.details.comparisons if one.experiment == FITTED[2]]
     details = replace(report.details, comparisons=one)
-    for picture in pictures(replace(report, details=details))["overlays"]:
-        assert picture == drawn[picture.name]
+    again = figures.drawn(replace(report, details=details), slice(2))
+    assert [picture.name.partition("_")[0] for picture in again] == ["front", "profiles"]
+    assert all(picture == drawn[picture.name] for picture in again)
 
 
 def test_cells_of_a_map_tile_each_row():
@@ -338,7 +349,8 @@ def test_gaps_in_a_column_stay_gaps(report):
     assert np.isnan(column(measured)[0])
     holed = replace(one, measured=measured, z={BASELINE: [None, *list(one.z[BASELINE])[1:]]})
     details = replace(report.details, comparisons=[holed])
-    assert pictures(replace(report, details=details))["overlays"][0].svg
+    (overlay,) = figures.drawn(replace(report, details=details), slice(1))
+    assert overlay.svg
 
 
 # -- words ---------------------------------------------------------------------------------------
@@ -426,7 +438,8 @@ def test_what_was_assumed_is_on_the_page(tmp_path):
         Assumption(name, "rheology.mu_1", "0.48", "-", "friction at rest", "default of the program")
         for name in FITTED
     ]
-    page = written(replace(report, details=replace(report.details, assumed=assumed)), tmp_path)
+    report = replace(report, details=replace(report.details, assumed=assumed))
+    page = written(report, tmp_path, blank)
     told = page.text[page.text.index("What was assumed") : page.text.index("Limits", 2000)]
     assert f"rheology.mu_1 0.48 default of the program friction at rest {', '.join(FITTED)}" in told
 
@@ -454,7 +467,7 @@ def test_evidence_that_ranks_otherwise_is_explained(report):
 def test_oddities_stand_above_what_was_compared(page, tmp_path):
     odd = Oddity("beads", "front.csv", "x_front_m", "0.185", "length_0 = 0.2 m", "X <level>?")
     report = small(experiments=(FITTED[0],), observables=())
-    told = written(replace(report, warnings=[odd]), tmp_path)
+    told = written(replace(report, warnings=[odd]), tmp_path, blank)
     assert told.ids.index("answer") < told.ids.index("warnings") < told.ids.index("which")
     words = "beads, front.csv, x_front_m : found 0.185; expected: length_0 = 0.2 m; X <level>?"
     assert words in told.text
@@ -464,25 +477,36 @@ def test_oddities_stand_above_what_was_compared(page, tmp_path):
     assert "warnings" not in page.ids
 
 
+@pytest.fixture(scope="module")
+def few():
+    """A report of few figures, and these."""
+    report = small(experiments=(FITTED[0],), observables=("front",))
+    return report, pictures(report)
+
+
 @pytest.mark.parametrize("workers", [1, 2])
-def test_figures_drawn_by_two_processes_are_the_same(folder, chapters, workers):
+def test_figures_drawn_by_two_processes_are_the_same(few, workers):
+    report, chapters = few
+    assert sum(map(len, chapters.values())) > 3
     with StandingWorkers(workers) as standing:
-        assert pictures(read_report(folder), Painter(standing).draw) == chapters
+        assert pictures(report, Painter(standing).draw) == chapters
 
 
-def test_figures_of_a_process_that_dies_are_drawn_here(folder, chapters):
+def test_figures_of_a_process_that_dies_are_drawn_here(few):
+    report, chapters = few
+
     class Dead:
         def submit(self, task, *arguments):
             future = Future()
             future.set_exception(BrokenExecutor("the process ended with status -9"))
             return future
 
-    assert pictures(read_report(folder), Painter(Dead()).draw) == chapters
+    assert pictures(report, Painter(Dead()).draw) == chapters
 
 
 def test_what_is_left_unexplained_is_on_the_page_and_in_the_answer(report, page, tmp_path):
     left = with_remainder(small("unknown", experiments=(FITTED[0],), observables=()))
-    told = written(left, tmp_path)
+    told = written(left, tmp_path, blank)
     place = "front only, in the thin part, from 0.62 s on: something that holds thin layers"
     line = next(text for text in sentences.answer(left) if text.startswith("Unexplained: "))
     assert line.startswith(
@@ -503,7 +527,7 @@ def test_what_is_left_unexplained_is_on_the_page_and_in_the_answer(report, page,
 
 def test_the_size_in_practice_stands_beside_the_statistics(tmp_path):
     left = with_remainder(small("unknown", experiments=(FITTED[0],), observables=()))
-    told = written(left, tmp_path).text
+    told = written(left, tmp_path, blank).text
     row = told[told.index("How large it is in practice") :]
     assert "thickness 0.34 cm 62 % 0.26 cm \N{EN DASH} 0.2 cm yes" in row
     assert "front position 0 cm 0 % 1.8 cm \N{EN DASH} 5 cm no" in row
