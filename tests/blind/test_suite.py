@@ -29,7 +29,9 @@ from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError
 
 OPTIONS = {"effects": ("cohesion", "bed_friction"), "draws": 8}
-PER_CLASS = 14  # leaving a kind and a fold of worlds out, five of unknown must be left
+# leaving a kind and a fold of worlds out, five of unknown must be left
+CAUSES = {"none": 8, "unknown": 14, **dict.fromkeys(OPTIONS["effects"], 8)}
+CASES = sum(CAUSES.values())
 
 
 def hidden(cause, rng):
@@ -75,7 +77,7 @@ def toy_suite(folder, causes):
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
     """A toy suite, and the evidence of its cases."""
-    causes = [name for name in ("none", "unknown", *OPTIONS["effects"]) for _ in range(PER_CLASS)]
+    causes = [name for name, count in CAUSES.items() for _ in range(count)]
     folder = toy_suite(tmp_path_factory.mktemp("toy"), causes)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(case_evidence.Runner, "__init__", ToyRunner.__init__)
@@ -137,7 +139,7 @@ def test_simple_rules_answer_too(studied, rule):
 def test_scores_of_cases_that_the_model_had_not_seen(studied):
     folder, _ = studied
     scores = cross_validated(pairs_of(folder))
-    assert scores["cases"] == 4 * PER_CLASS
+    assert scores["cases"] == CASES
     assert set(scores["alarms"]["unknown_by_kind"]) == {"balloon", "sponge"}
     assert scores["all"]["top_1"]["value"] > 0.5
 
@@ -156,7 +158,7 @@ def test_distance_of_a_true_cause_grows_with_its_strength(studied):
 
 
 def test_the_model_knows_its_suite(model, tmp_path):
-    assert model.about == {"cases": 4 * PER_CLASS, "made": "by formula"}
+    assert model.about == {"cases": CASES, "made": "by formula"}
     model.save(tmp_path / "model.json")
     assert VerdictModel.load(tmp_path / "model.json").classes == model.classes
 
@@ -178,7 +180,7 @@ def test_a_case_that_cannot_be_compared_is_told(studied, monkeypatch, tmp_path):
 
     monkeypatch.setattr(case_evidence, "keep_evidence", fail)
     failed = study(folder / "suite", tmp_path / "evidence")
-    assert len(failed) == 4 * PER_CLASS - 1
+    assert len(failed) == CASES - 1
 
 
 def test_designs_are_told_apart_by_their_experiments(tmp_path):
