@@ -1,7 +1,8 @@
 """Code blocks of README files, and a checkout in which they run.
 
-The line that opens a block says its language; `<!-- slow -->` before it marks a block that takes minutes. A block of
-`toml` names the file as which a reader saves it. `sh` and `python` are executed; `text` is what a command prints.
+The line that opens a block says its language; `<!-- slow -->` before it marks a block that `-m slow` alone runs: it
+takes minutes, or quicker tests guard the same. A block of `toml` names the file as which a reader saves it. `sh` and
+`python` are executed; `text` is what a command prints.
 """
 
 import os
@@ -25,7 +26,7 @@ LEFT_OUT = shutil.ignore_patterns(
 
 
 class Block(NamedTuple):
-    """A block of code: its language, the other words of its first line, and whether it takes minutes."""
+    """A block of code: its language, the other words of its first line, and whether `-m slow` alone runs it."""
 
     language: str
     words: tuple

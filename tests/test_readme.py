@@ -75,12 +75,22 @@ def test_code_runs(path, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXECUTABLE, ids=name_of)
 def test_all_code_runs(path, tmp_path):
-    """What takes minutes too; the first README installs the package in a fresh clone and runs its tests."""
+    """What `-m slow` alone runs too; the first README installs the package in a fresh clone and runs its tests."""
     blocks = blocks_of(path)
     if any(block.is_slow for block in blocks):
         folder = tmp_path / "checkout"
         installs = any("pip install" in block.code for block in blocks)
         run_blocks(blocks, folder, (fresh_clone if installs else checkout)(folder))
+
+
+@pytest.mark.parametrize("path", EXECUTABLE, ids=name_of)
+def test_commands_of_slow_blocks_can_be_called(path):
+    """They run with `-m slow`; by default their options are checked."""
+    slow = [block.code for block in blocks_of(path) if block.is_slow and block.language == "sh"]
+    lines = [line for code in slow for line in code.splitlines()]
+    for line in lines:
+        if line.startswith("fvcollapse "):
+            make_parser().parse_args(split(line.partition(" && ")[0], comments=True)[1:])
 
 
 def test_blocks_run_in_their_order_and_in_the_environment_that_they_make(tmp_path):
