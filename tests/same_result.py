@@ -17,16 +17,20 @@ def differences(first, second, ignore=("steps/wall_time",)):
 
 def same(a, b, name):
     """Whether one group or dataset is the same in both files."""
-    if name not in a or name not in b or not same_attributes(a[name], b[name]):
+    if name not in a or name not in b:
         return False
-    if isinstance(a[name], h5py.Group):
+    first, second = a[name], b[name]
+    if type(first) is not type(second) or not same_attributes(first, second):
+        return False
+    if isinstance(first, h5py.Group):
         return True
-    x, y = a[name][()], b[name][()]
+    x, y = first[()], second[()]
     return x.dtype == y.dtype and x.shape == y.shape and x.tobytes() == y.tobytes()
 
 
 def same_attributes(a, b):
     """Whether two objects have the same attributes."""
-    return dict(a.attrs).keys() == dict(b.attrs).keys() and all(
-        np.array_equal(a.attrs[key], b.attrs[key]) for key in a.attrs
+    names = set(a.attrs)
+    return names == set(b.attrs) and all(
+        np.array_equal(a.attrs[name], b.attrs[name]) for name in names
     )

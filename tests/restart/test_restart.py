@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,7 +25,7 @@ from fvcollapse.output.recorder import schedule
 SCRIPT = Path(__file__).with_name("run_for_kill.py")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def case():
     return Case().replace(
         **{
@@ -39,6 +40,22 @@ def case():
 @pytest.fixture
 def fake(monkeypatch):
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
+
+
+@pytest.fixture(scope="module")
+def whole(case, tmp_path_factory):
+    """The folder of the uninterrupted run, which no test changes."""
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(output, "Simulation", FakeSimulation)
+        output.run_case(case, folder, quiet=True)
+    return folder
+
+
+@pytest.fixture
+def finished(whole, tmp_path):
+    """A copy of it."""
+    return shutil.copytree(whole, tmp_path / "finished")
 
 
 def stop_at(step, error):
@@ -59,8 +76,9 @@ def stop_at(step, error):
 @pytest.mark.parametrize(
     "error", [KeyboardInterrupt(), NumericalError("no pressure", "in the solve", 0.1)]
 )
-def test_stopped_and_resumed_is_uninterrupted(case, fake, monkeypatch, tmp_path, step, error):
-    output.run_case(case, tmp_path / "whole", quiet=True)
+def test_stopped_and_resumed_is_uninterrupted(
+    case, whole, fake, monkeypatch, tmp_path, step, error
+):
     with monkeypatch.context() as patch:
         patch.setattr(output, "Simulation", stop_at(step, error))
         with pytest.raises(type(error)):
@@ -70,21 +88,19 @@ def test_stopped_and_resumed_is_uninterrupted(case, fake, monkeypatch, tmp_path,
     assert len(partial.steps["dt"]) == step - 1  # nothing before the failure is lost
     assert np.isfinite(partial.profiles.thickness).all()
     output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
-    assert differences(tmp_path / "whole/result.h5", tmp_path / "parts/result.h5") == []
-    assert differences(tmp_path / "whole/checkpoint.h5", tmp_path / "parts/checkpoint.h5") == []
-    assert (tmp_path / "whole/result.xdmf").read_bytes() == (
-        tmp_path / "parts/result.xdmf"
-    ).read_bytes()
+    for name in ("result.h5", "checkpoint.h5"):
+        assert differences(whole / name, tmp_path / "parts" / name) == []
+    xdmf = tmp_path / "parts/result.xdmf"
+    assert (whole / xdmf.name).read_bytes() == xdmf.read_bytes()
 
 
-def test_stopped_many_times_is_uninterrupted(case, fake, monkeypatch, tmp_path):
-    output.run_case(case, tmp_path / "whole", quiet=True)
-    for step in range(2, 60, 3):
+def test_stopped_many_times_is_uninterrupted(case, whole, fake, monkeypatch, tmp_path):
+    for step in range(2, 60, 5):
         with monkeypatch.context() as patch, contextlib.suppress(KeyboardInterrupt):
             patch.setattr(output, "Simulation", stop_at(step, KeyboardInterrupt()))
             output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
     output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
-    assert differences(tmp_path / "whole/result.h5", tmp_path / "parts/result.h5") == []
+    assert differences(whole / "result.h5", tmp_path / "parts/result.h5") == []
 
 
 def test_extended_run_is_the_longer_run(case, fake, tmp_path):
@@ -97,30 +113,27 @@ def test_extended_run_is_the_longer_run(case, fake, tmp_path):
     assert differences(tmp_path / "whole/result.h5", tmp_path / "parts/result.h5") == []
 
 
-def test_complete_result_is_left_alone(case, fake, tmp_path):
-    output.run_case(case, tmp_path, quiet=True)
-    before = {p.name: p.read_bytes() for p in tmp_path.glob("*.h5")}
-    assert output.run_case(case, tmp_path, resume=True, quiet=True).complete
+def test_complete_result_is_left_alone(case, fake, finished):
+    before = {p.name: p.read_bytes() for p in finished.glob("*.h5")}
+    assert output.run_case(case, finished, resume=True, quiet=True).complete
     shorter = case.replace(**{"time.end": 0.1, "time.output_interval": 0.03})
-    assert output.run_case(shorter, tmp_path, resume=True, quiet=True).complete
-    assert before == {p.name: p.read_bytes() for p in tmp_path.glob("*.h5")}
-    assert "nothing to do" in (tmp_path / "run.log").read_text()
+    assert output.run_case(shorter, finished, resume=True, quiet=True).complete
+    assert before == {p.name: p.read_bytes() for p in finished.glob("*.h5")}
+    assert "nothing to do" in (finished / "run.log").read_text()
 
 
-def test_resume_in_an_empty_folder_starts_from_zero(case, fake, tmp_path):
+def test_resume_in_an_empty_folder_starts_from_zero(case, whole, fake, tmp_path):
     output.run_case(case, tmp_path / "a" / "b", resume=True, quiet=True)
-    output.run_case(case, tmp_path / "c", quiet=True)
-    assert differences(tmp_path / "a/b/result.h5", tmp_path / "c/result.h5") == []
+    assert differences(tmp_path / "a/b/result.h5", whole / "result.h5") == []
 
 
-def test_run_without_resume_refuses_what_is_there(case, fake, tmp_path):
-    output.run_case(case, tmp_path, quiet=True)
-    (tmp_path / "result.h5").rename(tmp_path / "moved.h5")
+def test_run_without_resume_refuses_what_is_there(case, fake, finished):
+    (finished / "result.h5").rename(finished / "moved.h5")
     with pytest.raises(InputError, match=r"checkpoint.h5.*--resume"):
-        output.run_case(case, tmp_path, quiet=True)
-    (tmp_path / "moved.h5").rename(tmp_path / "result.h5")
+        output.run_case(case, finished, quiet=True)
+    (finished / "moved.h5").rename(finished / "result.h5")
     with pytest.raises(InputError, match=r"result.h5.*--resume"):
-        output.run_case(case, tmp_path, quiet=True)
+        output.run_case(case, finished, quiet=True)
 
 
 @pytest.mark.parametrize(
@@ -128,30 +141,27 @@ def test_run_without_resume_refuses_what_is_there(case, fake, tmp_path):
     [("rheology.mu_1", 0.4), ("effects.lateral_friction", {}), ("front.thickness", 0.004)],
 )
 @pytest.mark.parametrize("left", ["result.h5", "checkpoint.h5"])
-def test_resume_with_another_case_names_the_key(case, fake, tmp_path, key, value, left):
-    output.run_case(case, tmp_path, quiet=True)
+def test_resume_with_another_case_names_the_key(case, fake, finished, key, value, left):
     for name in {"result.h5", "checkpoint.h5"} - {left}:
-        (tmp_path / name).unlink()
-    before = (tmp_path / left).read_bytes()
+        (finished / name).unlink()
+    before = (finished / left).read_bytes()
     with pytest.raises(InputError, match=key):
-        output.run_case(case.replace(**{key: value}), tmp_path, resume=True, quiet=True)
-    assert (tmp_path / left).read_bytes() == before
+        output.run_case(case.replace(**{key: value}), finished, resume=True, quiet=True)
+    assert (finished / left).read_bytes() == before
 
 
-def test_checkpoint_of_the_end_without_result_only_needs_the_result(case, fake, tmp_path):
+def test_checkpoint_of_the_end_without_result_only_needs_the_result(case, fake, finished):
     """Killed between the two last files."""
-    output.run_case(case, tmp_path, quiet=True)
-    whole = (tmp_path / "result.h5").rename(tmp_path / "whole.h5")
-    output.run_case(case, tmp_path, resume=True, quiet=True)
-    assert differences(whole, tmp_path / "result.h5", ignore=()) == []
+    before = (finished / "result.h5").rename(finished / "before.h5")
+    output.run_case(case, finished, resume=True, quiet=True)
+    assert differences(before, finished / "result.h5", ignore=()) == []
 
 
-def test_state_keeps_every_bit(case, fake, tmp_path):
-    output.run_case(case, tmp_path, quiet=True)
+def test_state_keeps_every_bit(case, whole, fake):
     job = output.Job(case)
     with output.progress_bar(case, 0.0, quiet=True) as bar:
         job.march(bar)
-    stored = read_checkpoint(tmp_path / "checkpoint.h5").state
+    stored = read_checkpoint(whole / "checkpoint.h5").state
     for name, value in job.state.entries().items():
         assert isinstance(getattr(stored, name), int) == isinstance(value, int)
         assert np.array_equal(getattr(stored, name), value)
@@ -213,11 +223,10 @@ def kill_and_resume(case, tmp_path, *kind):
     return folder, kills
 
 
-def test_sigkill_and_resume_is_uninterrupted(case, fake, tmp_path):
-    output.run_case(case, tmp_path / "whole", quiet=True)
+def test_sigkill_and_resume_is_uninterrupted(case, whole, fake, tmp_path):
     folder, kills = kill_and_resume(case, tmp_path, "fake")
     assert kills >= 2
-    assert differences(tmp_path / "whole/result.h5", folder / "result.h5") == []
+    assert differences(whole / "result.h5", folder / "result.h5") == []
 
 
 def test_sigkill_and_resume_of_the_solver_is_uninterrupted(case, tmp_path):
@@ -258,10 +267,9 @@ def test_second_interrupt_stops_at_once(case, fake, monkeypatch, tmp_path):
     assert read_checkpoint(tmp_path / "checkpoint.h5").state.step == 11
 
 
-def test_hdf5_keeps_no_dates(case, fake, tmp_path):
+def test_hdf5_keeps_no_dates(case, whole, fake, tmp_path):
     """Two runs differ in nothing but wall-clock times."""
-    for name in "ab":
-        output.run_case(case, tmp_path / name, quiet=True)
-    with h5py.File(tmp_path / "a/result.h5") as file:
+    output.run_case(case, tmp_path, quiet=True)
+    with h5py.File(tmp_path / "result.h5") as file:
         assert "date" not in " ".join(file.attrs)
-    assert differences(tmp_path / "a/result.h5", tmp_path / "b/result.h5") == []
+    assert differences(tmp_path / "result.h5", whole / "result.h5") == []
