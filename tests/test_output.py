@@ -1,6 +1,7 @@
 """What a run leaves in its folder: names, shapes, units, growth, XDMF, log, summary."""
 
 import io
+import shutil
 import sys
 import xml.etree.ElementTree as xml
 
@@ -51,16 +52,23 @@ SERIES = [
 FIELDS = ["level_set", "u", "w", "pressure", "shear_rate", "viscosity", "inertial_number"]
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def case():
     return Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.3})
 
 
+@pytest.fixture(scope="module")
+def made(case, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("made")
+    output.run_case(case, folder, quiet=True, simulate=FakeSimulation)
+    return folder
+
+
 @pytest.fixture
-def folder(case, monkeypatch, tmp_path):
+def folder(made, monkeypatch, tmp_path):
+    """A copy of the run; further ones are by formula, too."""
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
-    output.run_case(case, tmp_path, quiet=True)
-    return tmp_path
+    return shutil.copytree(made, tmp_path, dirs_exist_ok=True)
 
 
 def test_names_shapes_units(case, folder):

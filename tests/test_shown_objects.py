@@ -24,10 +24,11 @@ EXPERIMENT = Path(__file__).parents[1] / "runs/experiments/example_22deg_w10cm"
 PNG = b"\x89PNG"
 
 
-@pytest.fixture
-def result(monkeypatch):
-    monkeypatch.setattr(output, "Simulation", FakeSimulation)
-    return output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.2}))
+@pytest.fixture(scope="module")
+def result():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(output, "Simulation", FakeSimulation)
+        return output.run(Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.2}))
 
 
 @pytest.fixture(scope="module")

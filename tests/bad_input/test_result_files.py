@@ -220,10 +220,9 @@ def test_full_disk_at_the_start(case, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("after", range(6, 13))
-def test_full_disk_keeps_the_previous_files(case, monkeypatch, tmp_path, after):
+def test_full_disk_keeps_the_previous_files(case, finished, monkeypatch, tmp_path, after):
     """Six at the start (file and folder, three files); then full at a moment of the end."""
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
-    output.run_case(case, tmp_path / "whole", quiet=True)
     with monkeypatch.context() as patch:
         fill_disk(patch, after)
         if after < 12:
@@ -237,7 +236,7 @@ def test_full_disk_keeps_the_previous_files(case, monkeypatch, tmp_path, after):
     assert open_result(tmp_path / "full").complete == (after > 8)
     read_checkpoint(tmp_path / "full/checkpoint.h5")
     output.run_case(case, tmp_path / "full", resume=True, quiet=True)
-    assert differences(tmp_path / "whole/result.h5", tmp_path / "full/result.h5") == []
+    assert differences(finished / "result.h5", tmp_path / "full/result.h5") == []
 
 
 def test_full_disk_under_the_log_alone_stops_nothing(case, monkeypatch, tmp_path):

@@ -1,10 +1,13 @@
 """`time.stop_at_rest`: a run ends at the first landing at which its pile has rested, resumed or not."""
 
+import shutil
+
 import numpy as np
 import pytest
 from fake_simulation import FakeSimulation
 from same_result import differences
 
+from fvcollapse import open_result
 from fvcollapse.case.case import Case
 from fvcollapse.output import run as output
 from fvcollapse.output.rest import rests
@@ -17,7 +20,7 @@ def fake(monkeypatch):
     monkeypatch.setattr(output, "Simulation", FakeSimulation)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def case():
     """It slows down to 1 mm/s at about 0.9 s."""
     changes = {"time.end": 1.5, "time.field_interval": 0.4, "time.stop_at_rest": True}
@@ -28,14 +31,35 @@ def going_on(case):
     return case.replace(**{"time.stop_at_rest": False})
 
 
+@pytest.fixture(scope="module")
+def rested(case, tmp_path_factory):
+    """The folder of the run that ends at rest, which no test changes."""
+    folder = tmp_path_factory.mktemp("rested")
+    output.run_case(case, folder, quiet=True, simulate=FakeSimulation)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(case, tmp_path_factory):
+    """The folder of the run that goes on, which no test changes."""
+    folder = tmp_path_factory.mktemp("whole")
+    output.run_case(going_on(case), folder, quiet=True, simulate=FakeSimulation)
+    return folder
+
+
+@pytest.fixture
+def parts(rested, tmp_path):
+    """A copy of the run that ended at rest."""
+    return shutil.copytree(rested, tmp_path / "parts")
+
+
 def same(one, other):
     names = ("result.h5", "checkpoint.h5")
     return [line for name in names for line in differences(one / name, other / name)]
 
 
-def test_a_run_ends_at_the_first_landing_at_rest(case, tmp_path):
-    result = output.run_case(case, tmp_path / "rest", quiet=True)
-    whole = output.run_case(going_on(case), tmp_path / "whole", quiet=True)
+def test_a_run_ends_at_the_first_landing_at_rest(rested, whole):
+    result, whole = open_result(rested), open_result(whole)
     landings = whole.profiles.time
     at_rest = [
         time
@@ -51,8 +75,8 @@ def test_a_run_ends_at_the_first_landing_at_rest(case, tmp_path):
     assert result.profiles.time[-1] == result.field_times[-1] == at_rest[0]  # the deposit is stored
 
 
-def test_the_result_says_that_it_ended_at_rest_and_is_complete(case, tmp_path):
-    result = output.run_case(case, tmp_path, quiet=True)
+def test_the_result_says_that_it_ended_at_rest_and_is_complete(case, rested):
+    result = open_result(rested)
     assert (result.complete, result.status, result.trust.verdict) == (True, "complete", "fine")
     assert result.ended_at_rest
     assert result.summary()["ended_at_rest"]
@@ -65,7 +89,7 @@ def test_the_result_says_that_it_ended_at_rest_and_is_complete(case, tmp_path):
 
 @pytest.mark.parametrize("time", [0.5, 0.95])
 def test_interrupted_and_resumed_it_ends_where_the_uninterrupted_one_does(
-    case, time, monkeypatch, tmp_path
+    case, time, rested, monkeypatch, tmp_path
 ):
     class Stopped(FakeSimulation):
         def advance(self, time_limit):
@@ -73,40 +97,35 @@ def test_interrupted_and_resumed_it_ends_where_the_uninterrupted_one_does(
                 raise KeyboardInterrupt
             return super().advance(time_limit)
 
-    output.run_case(case, tmp_path / "whole", quiet=True)
     with monkeypatch.context() as patch:
         patch.setattr(output, "Simulation", Stopped)
         with pytest.raises(KeyboardInterrupt):
             output.run_case(case, tmp_path / "parts", quiet=True)
     output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
-    assert same(tmp_path / "whole", tmp_path / "parts") == []
+    assert same(rested, tmp_path / "parts") == []
 
 
-def test_killed_between_checkpoint_and_result_it_goes_no_further(case, tmp_path):
-    output.run_case(case, tmp_path / "whole", quiet=True)
-    output.run_case(case, tmp_path / "parts", quiet=True)
-    (tmp_path / "parts/result.h5").unlink()
-    output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
-    assert same(tmp_path / "whole", tmp_path / "parts") == []
+def test_killed_between_checkpoint_and_result_it_goes_no_further(case, rested, parts):
+    (parts / "result.h5").unlink()
+    output.run_case(case, parts, resume=True, quiet=True)
+    assert same(rested, parts) == []
 
 
-def test_a_run_that_ended_at_rest_goes_on_where_it_shall(case, monkeypatch, tmp_path):
-    output.run_case(going_on(case), tmp_path / "whole", quiet=True)
-    output.run_case(case, tmp_path / "parts", quiet=True)
-    result = output.run_case(going_on(case), tmp_path / "parts", resume=True, quiet=True)
+def test_a_run_that_ended_at_rest_goes_on_where_it_shall(case, whole, parts):
+    result = output.run_case(going_on(case), parts, resume=True, quiet=True)
     assert result.time[-1] == 1.5
     assert not result.ended_at_rest
-    assert same(tmp_path / "whole", tmp_path / "parts") == []
+    assert same(whole, parts) == []
 
 
-def test_a_run_that_ended_at_rest_has_reached_every_later_end(case, monkeypatch, tmp_path):
-    first = output.run_case(case, tmp_path, quiet=True)
+def test_a_run_that_ended_at_rest_has_reached_every_later_end(case, rested, parts, monkeypatch):
+    first = open_result(rested)
     monkeypatch.setattr(output, "Simulation", None)  # a second run would need it
     for later in (case, case.replace(**END)):
-        again = output.run_case(later, tmp_path, resume=True, quiet=True)
+        again = output.run_case(later, parts, resume=True, quiet=True)
         assert again.time[-1] == first.time[-1]
     earlier = going_on(case).replace(**{"time.end": 0.5})
-    assert output.run_case(earlier, tmp_path, resume=True, quiet=True).complete
+    assert output.run_case(earlier, parts, resume=True, quiet=True).complete
 
 
 def test_grains_behind_a_closed_gate_do_not_rest(case):
