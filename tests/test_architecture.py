@@ -1,16 +1,14 @@
 """The shape of the code, read off its syntax trees: who may import whom, and what a kernel may be."""
 
 import ast
+from functools import cache
 from graphlib import TopologicalSorter
-from pathlib import Path
+from typing import NamedTuple
 
-import pytest
+from parsed_code import PACKAGE, files_in, tree_of
 
-import fvcollapse
 from fvcollapse.step import geometry, unknowns
 from fvcollapse.step.compiled import KernelCache
-
-PACKAGE = Path(fvcollapse.__file__).parent
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (
@@ -55,12 +53,14 @@ def module_name(path):
     return ".".join(parts[:-1] if len(parts) > 1 and parts[-1] == "__init__" else parts)
 
 
-FILES = {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in FILES.items()}
+FILES = {module_name(path): path for path in files_in("fvcollapse")}
+ALL = ("fvcollapse", "tests", "runs", "plots")
 
 
-def imported(name, tree):
+@cache
+def imported(name):
     """Modules of the package that a module imports, also inside its functions."""
+    tree = tree_of(FILES[name])
     package = FILES[name].parent.relative_to(PACKAGE.parent).parts
     found, for_hints = set(), hint_imports(tree)
     for node in ast.walk(tree):
@@ -95,42 +95,46 @@ def longest_module(dotted):
     return dotted or "__init__"
 
 
+class Kernel(NamedTuple):
+    """A compiled function: its name with that of its module, its definition, what compiles it."""
+
+    name: str
+    function: ast.FunctionDef
+    decorator: ast.AST
+
+
+@cache
 def kernels():
-    """(module, function) of every compiled function."""
-    for name, tree in TREES.items():
-        for node in ast.walk(tree):
+    """Every compiled function."""
+    found = []
+    for name, path in FILES.items():
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.FunctionDef):
                 for decorator in node.decorator_list:
                     if "jit" in ast.unparse(decorator).partition("(")[0]:
-                        yield pytest.param(node, decorator, id=f"{name}.{node.name}")
+                        found.append(Kernel(f"{name}.{node.name}", node, decorator))
+    return found
 
 
-KERNELS = list(kernels())
-
-
+@cache
 def inner_kernels():
     """Names of the kernels without an entry for Python, by module of the step."""
     found = {}
-    for kernel in KERNELS:
-        module, _, name = kernel.id.rpartition(".")
-        if ast.unparse(kernel.values[1]).startswith("inner_jit"):
+    for kernel in kernels():
+        module, _, name = kernel.name.rpartition(".")
+        if ast.unparse(kernel.decorator).startswith("inner_jit"):
             found.setdefault(module.rpartition(".")[2], set()).add(name)
     return found
 
 
-INNER = inner_kernels()
-# by module: thousands of tests of a millisecond would cost more than what they check
-MODULES_OF_KERNELS = {}
-for each in KERNELS:
-    MODULES_OF_KERNELS.setdefault(each.id.rpartition(".")[0], []).append((each.id, *each.values))
-in_modules = pytest.mark.parametrize("module", MODULES_OF_KERNELS)
-
-
 def test_the_checks_see_the_code():
     """A renamed folder or decorator must not make the tests below pass by finding nothing."""
-    assert len(KERNELS) > 50
-    assert imported("step.quantities", TREES["step.quantities"]) >= {"step.strain"}
-    assert imported("simulation", TREES["simulation"]) >= {"step.advance", "step.initial"}
+    assert len(kernels()) > 50
+    assert sum(map(len, inner_kernels().values())) > 50
+    assert imported("step.quantities") >= {"step.strain"}
+    assert imported("simulation") >= {"step.advance", "step.initial"}
+    assert len(files_in("runs")) > 50
+    assert len(files_in("plots")) > 10
 
 
 def room(name):
@@ -144,14 +148,17 @@ def test_every_module_has_a_layer():
     assert {room(name) for name in FILES} == set(RANK)
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_imports_point_upwards(name):
-    inside = room(name)
-    for other in imported(name, TREES[name]):
-        if other == "__init__":
-            assert name == "__main__", f"{name} imports the package itself"
-        elif room(other) != inside:
-            assert RANK[room(other)] < RANK[inside], f"{name} imports {other}"
+def points_upwards(name, other):
+    """Whether one module may import another."""
+    if other == "__init__":  # the package itself
+        return name == "__main__"
+    return room(other) == room(name) or RANK[room(other)] < RANK[room(name)]
+
+
+def test_imports_point_upwards():
+    pairs = [(name, other) for name in FILES for other in imported(name)]
+    assert len(pairs) > len(FILES)
+    assert [pair for pair in pairs if not points_upwards(*pair)] == []
 
 
 def test_the_root_of_the_package_holds_few_modules():
@@ -180,7 +187,7 @@ BORROWED = {
 
 def imports_outside(path):
     """Dotted names that a file of `runs` or `plots` imports, `from a import b` as a.b and as a."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -188,53 +195,46 @@ def imports_outside(path):
             yield from (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
 
 
-def files_of(folder):
-    """The files of `runs` or `plots`."""
-    return sorted((PACKAGE.parent / folder).rglob("*.py"))
-
-
-@pytest.mark.parametrize(
-    "path", files_of("runs"), ids=lambda path: f"{path.parent.name}.{path.stem}"
-)
-def test_a_study_imports_no_figure_and_no_other_study(path):
+def test_a_study_imports_no_figure_and_no_other_study():
     """They share the call, the runs and the tables; figures are drawn from the tables afterwards."""
-    own = path.parent.name
-    modules = {f"runs.{file.parent.name}.{file.stem}" for file in files_of("runs")} - SHARED
-    for name in imports_outside(path):
-        assert not name.startswith("plots"), f"{path} imports {name}"
-        if name in modules and not name.startswith(f"runs.{own}."):
-            assert (own, name) in BORROWED, f"{path} imports {name}"
+    modules = {f"runs.{file.parent.name}.{file.stem}" for file in files_in("runs")} - SHARED
+    for path in files_in("runs"):
+        own = path.parent.name
+        for name in imports_outside(path):
+            assert not name.startswith("plots"), f"{path} imports {name}"
+            if name in modules and not name.startswith(f"runs.{own}."):
+                assert (own, name) in BORROWED, f"{path} imports {name}"
 
 
-@pytest.mark.parametrize("path", files_of("plots"), ids=lambda path: path.stem)
-def test_a_figure_imports_no_study(path):
+def test_a_figure_imports_no_study():
     """It reads tables; figures of the paper also read how its beds and readings are named and judged."""
-    for name in imports_outside(path):
-        if name.startswith("runs."):
-            known = ("runs.table", *(NAMES_OF_PAPER if path.stem in OF_PAPER else ()))
-            assert name.startswith(known), f"{path} imports {name}"
+    for path in files_in("plots"):
+        for name in imports_outside(path):
+            if name.startswith("runs."):
+                known = ("runs.table", *(NAMES_OF_PAPER if path.stem in OF_PAPER else ()))
+                assert name.startswith(known), f"{path} imports {name}"
 
 
 def test_no_import_cycle():
-    graph = {name: imported(name, tree) for name, tree in TREES.items()}
+    graph = {name: imported(name) for name in FILES}
     tuple(TopologicalSorter(graph).static_order())  # raises CycleError
 
 
-@pytest.mark.parametrize("name", [name for name in FILES if name.startswith("step.")])
-def test_the_step_reads_and_writes_no_files(name):
-    text = FILES[name].read_text(encoding="utf-8")
-    calls = [ast.unparse(node.func) for node in ast.walk(TREES[name]) if isinstance(node, ast.Call)]
-    assert "h5py" not in text
-    assert not {"open", "print"} & set(calls)
+def test_the_step_reads_and_writes_no_files():
+    step = [path for name, path in FILES.items() if name.startswith("step.")]
+    assert len(step) > 50
+    for path in step:
+        nodes = [node for node in ast.walk(tree_of(path)) if isinstance(node, ast.Call)]
+        assert "h5py" not in path.read_text(encoding="utf-8"), path
+        assert not {"open", "print"} & {ast.unparse(node.func) for node in nodes}, path
 
 
-@in_modules
-def test_kernels_are_cached_and_exact(module):
+def test_kernels_are_cached_and_exact():
     """Fast arithmetic loses NaN checks; threads may change sums; without a cache each start waits.
 
     Division by zero may give inf or NaN in place of an error: the sweeps find them in the velocity.
     """
-    for name, _, decorator in MODULES_OF_KERNELS[module]:
+    for name, _, decorator in kernels():
         if isinstance(decorator, ast.Name):  # in `stepper` and `marcher`, which call one of the two
             assert decorator.id == "jit", name
             continue
@@ -257,7 +257,8 @@ def test_the_decorators_cache_and_ask_for_no_fast_arithmetic():
 
 def calls_outside_kernels(tree, known):
     """Functions that a file calls outside of kernels, as (module of the step, name); `known` are its own."""
-    names, found = {name: (known, name) for name in INNER.get(known, ())}, set()
+    names = {name: (known, name) for name in inner_kernels().get(known, ())}
+    found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             source = (node.module or "").rpartition(".")[2]
@@ -282,18 +283,14 @@ def calls_outside_kernels(tree, known):
 
 def test_python_calls_no_inner_kernel():
     """It would end the process: these have no entry for Python."""
-    assert sum(map(len, INNER.values())) > 50
-    folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "runs", "plots"))]
-    for path in (path for folder in folders for path in folder.rglob("*.py")):
+    for path in files_in(*ALL):
         own = path.stem if path.parent == PACKAGE / "step" else ""
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        for module, name in calls_outside_kernels(tree, own):
-            assert name not in INNER.get(module, ()), f"{path} calls {module}.{name}"
+        for module, name in calls_outside_kernels(tree_of(path), own):
+            assert name not in inner_kernels().get(module, ()), f"{path} calls {module}.{name}"
 
 
-@in_modules
-def test_kernels_take_numbers_and_arrays_only(module):
-    for name, kernel, _ in MODULES_OF_KERNELS[module]:
+def test_kernels_take_numbers_and_arrays_only():
+    for name, kernel, _ in kernels():
         arguments = kernel.args
         names = {a.arg for a in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]}
         assert not names & OBJECTS, name
@@ -305,10 +302,9 @@ def test_kernels_take_numbers_and_arrays_only(module):
         assert "prange" not in used, name
 
 
-@in_modules
-def test_kernels_hold_no_strings_dicts_or_closures(module):
+def test_kernels_hold_no_strings_dicts_or_closures():
     forbidden = (ast.Dict, ast.DictComp, ast.JoinedStr, ast.Lambda, ast.FunctionDef, ast.Global)
-    for name, kernel, _ in MODULES_OF_KERNELS[module]:
+    for name, kernel, _ in kernels():
         letters = {  # ord("L") is a number to the compiler
             id(argument)
             for node in ast.walk(kernel)
@@ -327,9 +323,8 @@ def test_kernels_hold_no_strings_dicts_or_closures(module):
 
 def test_no_private_method_of_a_simulation_is_overridden():
     """Other flows take other stages."""
-    folders = [PACKAGE, *(PACKAGE.parent / name for name in ("tests", "runs", "plots"))]
-    for path in (path for folder in folders for path in folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path in files_in(*ALL):
+        for node in ast.walk(tree_of(path)):
             bases = {ast.unparse(base) for base in getattr(node, "bases", ())}
             if isinstance(node, ast.ClassDef) and bases & {"Simulation", "UniformFlow", "Box"}:
                 methods = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
