@@ -7,13 +7,8 @@ import pytest
 
 import fvcollapse
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.output.fingerprint import (
-    ROOTS,
-    package_mark,
-    solver_code,
-    solver_digest,
-    solver_version,
-)
+from fvcollapse.output.fingerprint import ROOTS, solver_code, solver_digest, solver_version
+from fvcollapse.output.known_digests import FILE, bytes_digest, known_digest
 
 # a solver in small, with the roots of the true one
 FILES = {
@@ -262,20 +257,34 @@ def test_the_version_depends_on_the_effects_that_are_on():
     assert solver_version().startswith(f"{fvcollapse.__version__}+")
 
 
-def test_the_mark_is_of_place_size_and_time_of_every_file(tmp_path):
-    """By it a worker sees that its files are those of the process that started it."""
-    file = tmp_path / "step" / "rates.py"
-    file.parent.mkdir()
+def test_a_digest_is_kept_for_the_bytes_of_all_files(tmp_path):
+    """Whatever changes in them, be it a comment, it is found anew; as it is if what was kept cannot be read."""
+    file, calls = tmp_path / "rates.py", []
+
+    def known(name=""):
+        bytes_digest.cache_clear()  # as in another process
+        return known_digest(tmp_path, name, lambda: calls.append(name) or f"digest {len(calls)}")
+
     file.write_text("a = 1\n")
-    os.utime(file, (1.0, 1.0))
-    marks = [package_mark(tmp_path)]
-    assert package_mark(tmp_path) == marks[0]
-    os.utime(file, (2.0, 2.0))
-    marks.append(package_mark(tmp_path))
-    file.write_text("a = 10\n")
-    os.utime(file, (2.0, 2.0))
-    marks.append(package_mark(tmp_path))
-    file.rename(tmp_path / "rates.py")
-    marks.append(package_mark(tmp_path))
-    assert len(set(marks)) == 4
-    assert len({package_mark(), *marks}) == 5
+    assert known() == known() == "digest 1"
+    assert known("gate") == known("gate") == "digest 2"
+    assert known() == "digest 1"
+    status = file.stat()
+    file.write_text("a = 2\n")
+    os.utime(file, ns=(status.st_atime_ns, status.st_mtime_ns))
+    assert known() == known() == "digest 3"
+    (tmp_path / "other.py").touch()
+    assert known() == known() == "digest 4"
+    for broken in ("", "[]", "{}", '{"bytes": 3}', "\xff"):
+        (tmp_path / "__pycache__" / FILE).write_text(broken, encoding="latin-1")
+        count = len(calls)
+        assert known() == known() == f"digest {count + 1}"
+
+
+def test_a_digest_is_found_each_time_where_nothing_can_be_kept(tmp_path):
+    (tmp_path / "__pycache__").touch()  # no folder
+    assert [known_digest(tmp_path, "", lambda n=n: f"digest {n}") for n in (1, 2)] == [
+        "digest 1",
+        "digest 2",
+    ]
+    assert {path.name for path in tmp_path.iterdir()} == {"__pycache__"}

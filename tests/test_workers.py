@@ -15,9 +15,9 @@ import pytest
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.files.locks import exclusive
-from fvcollapse.output.fingerprint import package_mark, solver_version
+from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies import workers
-from fvcollapse.studies.workers import ATTEMPTS, Solver, run_all
+from fvcollapse.studies.workers import ATTEMPTS, run_all
 
 
 def outcomes(task, calls, **options):
@@ -208,10 +208,5 @@ def test_missing_package_is_named(monkeypatch):
 
 def test_worker_with_another_solver_is_refused():
     with pytest.raises(FvcollapseError, match=r"a worker with solver .*; allowed: .* 9.9"):
-        workers.call(Solver("9.9", "other files"), fake_tasks.double, (1,))
-    assert workers.call(Solver(solver_version(), "other files"), fake_tasks.double, (1,)) == 2
-
-
-def test_files_that_are_the_same_need_no_version(monkeypatch):
-    monkeypatch.setattr(workers, "solver_version", None)
-    assert workers.call(Solver("0.1", package_mark()), fake_tasks.double, (1,)) == 2
+        workers.call("9.9", fake_tasks.double, (1,))
+    assert workers.call(solver_version(), fake_tasks.double, (1,)) == 2

@@ -25,7 +25,6 @@ definitions are the same, apart from what is left out.
 
 import ast
 import hashlib
-import sys
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -33,8 +32,10 @@ from typing import Any
 
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.output.code_graph import CodeGraph, called_name, is_docstring, is_import
+from fvcollapse.output.known_digests import known_digest
 from fvcollapse.version import __version__
 
+PACKAGE = Path(__file__).parents[1]
 # (module, definition) that a run starts from: fields, series, profiles and what is observed of them
 ROOTS = (
     ("case.case", "Case"),
@@ -64,19 +65,13 @@ def solver_version(effects: Sequence[str] | None = None) -> str:
         Effects that are on, in any order; default all of the catalogue.
     """
     names = tuple(name for name in CATALOGUE if effects is None or name in effects)
-    return f"{__version__}+{solver_digest(Path(__file__).parents[1], names)[:12]}"
+    return f"{__version__}+{own_digest(names)[:12]}"
 
 
-def package_mark(package: Path = Path(__file__).parents[1]) -> str:
-    """A digest of where the files of the package stand, their sizes and times of change, and of this Python.
-
-    Where two processes find the same, their solvers are the same; it takes milliseconds.
-    """
-    marks = [sys.version]
-    for path in sorted(package.rglob("*.py")):
-        status = path.stat()
-        marks.append(f"{path} {status.st_size} {status.st_mtime_ns}")
-    return hashlib.sha256("\n".join(marks).encode()).hexdigest()
+@cache
+def own_digest(effects: tuple[str, ...]) -> str:
+    """Digest of this solver with these effects, in the order in which they act; see `known_digests`."""
+    return known_digest(PACKAGE, " ".join(effects), lambda: solver_digest(PACKAGE, effects))
 
 
 @cache

@@ -28,14 +28,13 @@ from fvcollapse.console.bars import runs_bar
 from fvcollapse.console.interruption import Interrupted, deferred_interrupt, raised_interrupt
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.output.compilation import tell_compilation
-from fvcollapse.output.fingerprint import package_mark, solver_version
+from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.pool import ProcessPool
 
 ATTEMPTS = 3  # a run whose worker dies this often is given up
 DEAD = object()  # the outcome of a call whose worker died, or was told to stop
 CONNECT = 10.0  # s to wait for a scheduler
 POLL = 0.1  # s between two looks for a signal
-MARK = package_mark()  # of the files from which this process was started
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -114,7 +113,7 @@ def make_calls(place: "Place", task: Callable, calls: dict, finished: Callable) 
             outcome = NumericalError(f"the worker died {ATTEMPTS} times (memory?)")
         finished(name, outcome)
 
-    drain(place, partial(call, Solver(solver_version(), MARK), task), calls, queue, end)
+    drain(place, partial(call, solver_version(), task), calls, queue, end)
 
 
 def refuse_workers(workers: int) -> None:
@@ -145,21 +144,11 @@ def drain(place: Place, task: Callable, calls: dict, queue: Any, end: Callable) 
             raise Interrupted(number)
 
 
-class Solver(NamedTuple):
-    """The solver that the results of a study must come from: its version, and the mark of its files."""
-
-    version: str
-    mark: str
-
-
-def call(solver: Solver, task: Callable, arguments: tuple) -> Any:
-    """Make one call inside a worker; files of another mark may hold the same solver, which takes longer to say."""
-    if solver.mark != MARK and solver.version != solver_version():
-        found, allowed = (
-            f"a worker with solver {solver_version()}",
-            f"workers with solver {solver.version}",
-        )
-        raise InputError("command line", "--scheduler", found, allowed)
+def call(version: str, task: Callable, arguments: tuple) -> Any:
+    """Make one call inside a worker."""
+    if solver_version() != version:
+        found = f"a worker with solver {solver_version()}"
+        raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
     return task(*arguments)
 
 

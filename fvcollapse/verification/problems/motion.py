@@ -119,6 +119,7 @@ def start_up_errors(cells: int) -> np.ndarray:
 # -- stopping from the bed upwards -------------------------------------------------------------
 
 START = 0.2  # m/s, velocity of the surface
+HALFWAY, INTERFACE_AT = 0.5, (0.2, 0.4, 0.6)  # parts of the time to the stop
 INTERFACE = 0.02  # velocity at which the static-flowing interface is compared, in units of START
 
 
@@ -156,10 +157,10 @@ class Stopping:
         return START * ((2.0 - part) * part if self.viscous else part)
 
     def computed(self, parts: Any) -> Any:
-        """(z, u) of the solver at parts of the time to the stop, m and m/s."""
+        """{part: (z, u)} of the solver at increasing parts of the time to the stop, m and m/s."""
         steps = 400 if self.viscous else 100  # of first order, but exact without viscosity
         flow = layer(self.case, self.start, dt=self.stop / steps)
-        return [run_until(flow, part * self.stop).profile() for part in parts]
+        return {part: run_until(flow, part * self.stop).profile() for part in parts}
 
     def exact(self, z: Any, part: float) -> Any:
         """Exact velocity at one of them, m/s."""
@@ -167,6 +168,12 @@ class Stopping:
         if self.viscous:
             return exact.stopping_viscous(self.case, self.start, z, time)
         return exact.stopping_inviscid(self.case, self.start(z), z, time)
+
+
+@cache
+def stopping_computed(cells: int, viscosity: float, walls: bool) -> Any:
+    """{part: (z, u)} of the solver at all parts of the time to the stop that are compared."""
+    return Stopping(cells, viscosity, walls).computed(sorted((HALFWAY, *INTERFACE_AT)))
 
 
 @cache
@@ -180,19 +187,20 @@ def stopping_profile_errors(viscosity: float, walls: bool) -> Callable:
     """Velocity half-way to the stop, relative to the surface at the start."""
 
     def errors(cells):
-        (z, u) = Stopping(cells, viscosity, walls).computed([0.5])[0]
-        return (u - np.interp(z, *stopping_exactly(viscosity, walls, 0.5))) / START
+        z, u = stopping_computed(cells, viscosity, walls)[HALFWAY]
+        return (u - np.interp(z, *stopping_exactly(viscosity, walls, HALFWAY))) / START
 
     return errors
 
 
 def stopping_interface_errors(viscosity: float, walls: bool) -> Callable:
     """Height of the static-flowing interface at three times, relative to the depth."""
-    parts, level = (0.2, 0.4, 0.6), INTERFACE * START
+    level = INTERFACE * START
 
     def errors(cells):
-        found = Stopping(cells, viscosity, walls).computed(parts)
-        exactly = [stopping_exactly(viscosity, walls, part) for part in parts]
+        computed = stopping_computed(cells, viscosity, walls)
+        found = [computed[part] for part in INTERFACE_AT]
+        exactly = [stopping_exactly(viscosity, walls, part) for part in INTERFACE_AT]
         heights = [[np.interp(level, u, z) for z, u in profiles] for profiles in (found, exactly)]
         return np.subtract(*heights) / DEPTH
 
