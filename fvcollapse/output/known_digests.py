@@ -1,4 +1,4 @@
-"""Digests of the solver that were computed before, kept on the disk: to compute one takes longer than a short run starts.
+"""Digests of the solver that were computed before, kept on the disk: computing one takes longer than starting a run.
 
 They are kept beside the compiled files of the package, for the bytes of all its files: where one byte has changed
 nothing is known. Where the folder cannot be written nothing is kept.
