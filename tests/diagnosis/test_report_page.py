@@ -464,6 +464,20 @@ def test_evidence_that_ranks_otherwise_is_explained(report):
     )
 
 
+@pytest.mark.parametrize(("divisor", "words"), [(10.0, "divided by 10"), (2.0, "divided by 2")])
+def test_the_note_says_by_how_much_evidences_were_tempered(report, divisor, words):
+    hypotheses = {
+        name: replace(one, conformal_p=None) for name, one in report.details.hypotheses.items()
+    }
+    first = next(iter(report.verdict.probability))
+    ahead = hypotheses[first].log_evidence + 1.0
+    hypotheses["cohesion"] = replace(hypotheses["cohesion"], log_evidence=ahead)
+    details = replace(report.details, hypotheses=hypotheses, temperature=divisor)
+    assert f"its logarithm is {words} here" in ranking_note(replace(report, details=details))
+    untempered = ranking_note(replace(report, details=replace(details, temperature=1.0)))
+    assert "evidence is" not in untempered
+
+
 def test_oddities_stand_above_what_was_compared(page, tmp_path):
     odd = Oddity("beads", "front.csv", "x_front_m", "0.185", "length_0 = 0.2 m", "X <level>?")
     report = small(experiments=(FITTED[0],), observables=())

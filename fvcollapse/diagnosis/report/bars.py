@@ -75,4 +75,9 @@ def reason(report: "Report", strongest: str, first: str) -> str:
         if len(effects_of(strongest)) > len(effects_of(first) or (first,))
         else f"{hypothesis_name(first)} has the larger probability before any data"
     )
-    return f"evidence counts a tenth of its size here (it is over-confident) and {larger}."
+    divisor = report.details.temperature
+    if divisor is None:
+        return f"evidence is over-confident and counts less than its size here, and {larger}."
+    if divisor == 1.0:
+        return f"{larger}."
+    return f"evidence is over-confident, so that its logarithm is divided by {divisor:g} here, and {larger}."

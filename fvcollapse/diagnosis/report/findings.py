@@ -17,6 +17,7 @@ from fvcollapse.diagnosis.report.limits import grain_words, limits, model_words
 from fvcollapse.diagnosis.report.reductions import confirmation_of, reductions, rms, rungs
 from fvcollapse.diagnosis.report.remainder import practical_of, region_parts, unexplained_of
 from fvcollapse.diagnosis.report.words import candidate_words
+from fvcollapse.diagnosis.verdict_features import temperature
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.analysis import Analysis
@@ -73,6 +74,7 @@ def report_of(
             grains=grain_words(analysis.evidence.balance),
             shared_physics=analysis.discrepancy.effects if analysis.discrepancy else {},
             hypotheses=hypotheses(analysis, verdict),
+            temperature=None if verdict.conformal else temperature(analysis.evidence),
             separability=separability(analysis, verdict),
             ladder=rungs(analysis, ladder),
             confirmation=confirmation_of(confirm(analysis, verdict, ladder)),

@@ -48,8 +48,8 @@ WORDS = (
     ),
     (
         "Tempered",
-        "The evidence counts a tenth of its size, because neighbouring measured values err together and evidence is "
-        "over-confident.",
+        "The evidence counts less than its size: its logarithm is divided by ten, or by the number of measured values "
+        "where these are fewer, because neighbouring measured values err together and evidence is over-confident.",
     ),
     (
         "Verdict layer",

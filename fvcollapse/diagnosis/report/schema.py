@@ -148,6 +148,8 @@ class Details(Part):
         Effect that the controls show in all experiments alike -> its share; see `diagnosis.shared_physics`.
     hypotheses : dict
         Name -> `HypothesisSummary`, "none" and "unknown" among them.
+    temperature : float or None
+        What logarithms of evidences are divided by; None where the verdict layer judges, or where it is not recorded.
     separability : Separability or None
     ladder : list of Rung
     confirmation : Confirmation or None
@@ -175,6 +177,7 @@ class Details(Part):
     sequence: list[PartialAnswer] = []
     shared_physics: dict[str, float] = {}
     hypotheses: dict[str, HypothesisSummary] = {}
+    temperature: float | None = None
     separability: Separability | None = None
     ladder: list[Rung] = []
     confirmation: Confirmation | None = None

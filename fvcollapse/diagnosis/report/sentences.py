@@ -185,14 +185,19 @@ def meaning_of(causes: Iterable[str]) -> str:
 
 
 def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
-    """One sentence for each group that cannot be told apart and holds one of the causes; of those that overlap one."""
+    """One sentence for each group that holds one of the causes: what looks alike, or what the data leave open.
+
+    Of groups that overlap the largest.
+    """
+    classes = report.details.separability.classes if report.details.separability else []
     groups: list[Sequence[str]] = []
     for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
         if set(causes) & set(group) and not any(set(group) & set(other) for other in groups):
             groups.append(group)
+    alike = [any(set(group) <= set(each) for each in classes) for group in groups]
     return [
-        f"These data cannot tell apart {listed(hypothesis_name(name) for name in group)}."
-        for group in groups
+        f"These data {'cannot tell apart ' if same else 'leave open '}{joined(group)}."
+        for group, same in zip(groups, alike, strict=True)
         if len(group) > 1 and not set(group) <= set(causes)
     ]
 
