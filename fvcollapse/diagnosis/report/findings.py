@@ -44,8 +44,7 @@ def report_of(
     analysis : Analysis
     verdict : Verdict
     ladder : Ladder
-    choices : list of Choice
-        What to measure next, the best first.
+    choices : list of Choice, the best measurement first
     cost : Cost
     model : VerdictModel, optional
         What the verdict was made with.
@@ -74,7 +73,7 @@ def report_of(
             grains=grain_words(analysis.evidence.balance),
             shared_physics=analysis.discrepancy.effects if analysis.discrepancy else {},
             hypotheses=hypotheses(analysis, verdict),
-            temperature=None if verdict.conformal else temperature(analysis.evidence),
+            temperature=temperature_of(analysis, verdict),
             separability=separability(analysis, verdict),
             ladder=rungs(analysis, ladder),
             confirmation=confirmation_of(confirm(analysis, verdict, ladder)),
@@ -83,6 +82,11 @@ def report_of(
             limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
         ),
     )
+
+
+def temperature_of(analysis: "Analysis", verdict: "Verdict") -> float | None:
+    """What logarithms of evidences were divided by; None where the verdict layer judged."""
+    return None if verdict.conformal else temperature(analysis.evidence)
 
 
 def held_out_of(ladder: "Ladder") -> "tuple[Experiment, ...]":

@@ -185,10 +185,7 @@ def meaning_of(causes: Iterable[str]) -> str:
 
 
 def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
-    """One sentence for each group that holds one of the causes: what looks alike, or what the data leave open.
-
-    Of groups that overlap the largest.
-    """
+    """One sentence for each group with one of the causes, of those that overlap the largest: alike, or left open."""
     classes = report.details.separability.classes if report.details.separability else []
     groups: list[Sequence[str]] = []
     for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
