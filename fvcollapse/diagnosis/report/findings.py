@@ -61,26 +61,37 @@ def report_of(
         reduction=reductions(ladder, analysis.seed) if verdict.kind in NAMED else None,
         next_experiment=upcoming[0] if upcoming else None,
         cost=cost,
-        details=form.Details(
-            expected=expected(analysis),
-            coarse_cells=dict(analysis.question.coarse_cells),
-            set_ups=set_ups(analysis, ladder),
-            comparisons=comparisons(analysis, ladder),
-            shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
-            budget=budget(analysis),
-            practical=practical_of(analysis),
-            unexplained=unexplained_of(analysis, verdict),
-            grains=grain_words(analysis.evidence.balance),
-            shared_physics=analysis.discrepancy.effects if analysis.discrepancy else {},
-            hypotheses=hypotheses(analysis, verdict),
-            temperature=temperature_of(analysis, verdict),
-            separability=separability(analysis, verdict),
-            ladder=rungs(analysis, ladder),
-            confirmation=confirmation_of(confirm(analysis, verdict, ladder)),
-            alternatives=upcoming[1:],
-            assumed=assumptions(analysis.question),
-            limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
-        ),
+        details=details_of(analysis, verdict, ladder, upcoming[1:], model),
+    )
+
+
+def details_of(
+    analysis: "Analysis",
+    verdict: "Verdict",
+    ladder: "Ladder",
+    alternatives: list[form.NextExperiment],
+    model: "VerdictModel | None",
+) -> form.Details:
+    """What the page shows beyond the stable keys; parameters as of `report_of`."""
+    return form.Details(
+        expected=expected(analysis),
+        coarse_cells=dict(analysis.question.coarse_cells),
+        set_ups=set_ups(analysis, ladder),
+        comparisons=comparisons(analysis, ladder),
+        shares=[form.Share(**share._asdict()) for share in analysis.gap_map.shares],
+        budget=budget(analysis),
+        practical=practical_of(analysis),
+        unexplained=unexplained_of(analysis, verdict),
+        grains=grain_words(analysis.evidence.balance),
+        shared_physics=analysis.discrepancy.effects if analysis.discrepancy else {},
+        hypotheses=hypotheses(analysis, verdict),
+        temperature=temperature_of(analysis, verdict),
+        separability=separability(analysis, verdict),
+        ladder=rungs(analysis, ladder),
+        confirmation=confirmation_of(confirm(analysis, verdict, ladder)),
+        alternatives=alternatives,
+        assumed=assumptions(analysis.question),
+        limits=[*limits(analysis, ladder), model_words(model, analysis.evidence)],
     )
 
 
