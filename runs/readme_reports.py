@@ -11,8 +11,8 @@ from runs.laboratories.study import LABORATORIES
 from runs.readme_tables import stored, table
 from runs.table import RUNS, read_table
 
-EXAMPLE = Path("particle_laboratory") / "labelled" / "lateral_walls_16deg"
-TEXT_WIDTH = 100
+EXAMPLE = Path("example")
+TEXT_WIDTH = 118
 NOT_ASKED = ("not asked yet", "–", "–", "–", "–")
 
 

@@ -17,6 +17,7 @@ ELSEWHERE = {
     "runs/blind/*": "answers and scores of the diagnosis: its evidence names the solver",
     "runs/cross_code/*": "another code; `answers.json` names the solver",
     "runs/particle_laboratory/blind/*": "reports of the diagnosis, which name the solver",
+    "runs/example/*": "a report of the diagnosis, which names the solver",
     "runs/particle_laboratory/labelled/*": "reports of the diagnosis, which name the solver",
     "runs/particle_laboratory/*answers.json": "answers of the diagnosis",
     "runs/particle_laboratory/discrepancy.csv": "of the diagnosis",
