@@ -85,7 +85,7 @@ def small(kind="effect", experiments=(FITTED[2], HELD_OUT[0]), observables=("fro
 
 
 def slim(report):
-    """Without the figures that depend on neither curves nor verdict: a third of the time of drawing."""
+    """Without the figures that depend on neither curves nor verdict, which are drawn for `page`."""
     return replace(report, details=replace(report.details, separability=None, budget={}))
 
 
