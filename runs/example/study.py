@@ -16,7 +16,9 @@ from fvcollapse.diagnosis.report import write_report
 from runs.study import Study
 from runs.study import main as call
 
-EXPERIMENTS = Path("runs") / "experiments"  # from the root of the repository, which the report names
+EXPERIMENTS = (
+    Path("runs") / "experiments"
+)  # from the root of the repository, which the report names
 FITTED = ("example_16deg_w10cm", "example_22deg_w10cm")
 HELD_OUT = ("example_22deg_w20cm",)
 
