@@ -134,11 +134,26 @@ def paper(part, cpu_s):
 
 
 TASKS = (
-    study("comparison", "bars", ("bars.csv",), ("thin_layer",), 60.0, ""),
+    study("comparison", "bars", ("bars.csv", "bars_profiles.csv"), ("thin_layer",), 60.0, ""),
+    figures(
+        "aluminium_bars",
+        "aluminium_bars",
+        ("aluminium_bars.*",),
+        ("runs/comparison/bars.csv", "runs/comparison/bars_profiles.csv"),
+    ),
     study("paper_facts", "grid", ("grid.csv",), THIN, 300.0),
     study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 350.0, "dem"),
+    study(
+        LABORATORY,
+        "thin_layers_finer",
+        ("thin_layers_finer.csv",),
+        ("thin_layer",),
+        300.0,
+        "dem",
+    ),
     study(LABORATORY, "walls", ("walls.csv",), None, 120.0, "dem"),
-    study(LABORATORY, "shape", ("shape.csv",), None, 60.0, "dem"),
+    study(LABORATORY, "mobilised", ("mobilised.csv",), ("lateral_friction", "gate"), 60.0, "dem"),
+    study(LABORATORY, "shape", ("shape.csv",), None, 180.0, "dem"),
     study(LABORATORY, "closures", ("closures.csv",), None, 120.0, "dem"),
     study(LABORATORY, "validation", ("validation.csv", "curves.csv"), (), 60.0, "dem"),
     figures(

@@ -27,6 +27,12 @@ SLOPES = (0.0, 10.0, 22.0)  # deg, of the printed facts
 BED_SLOPES = (0.0, 10.0, 16.0, 22.0)
 GRIDS = (0.01, 0.008, 0.006, 0.004, 0.003, 0.002)  # m
 STEPS = (1.2e-3, 6e-4)  # s, on cells of 6 mm; the default is 2.4 ms
+WAYS = {  # words: friction, changes; what else could limit the convergence
+    "tolerance 1e-4": ("0.38, 0.64", {"numerics.tolerance": 1e-4}),
+    "no film rule": ("0.38, 0.64", {"numerics.film_thickness": 0.0}),
+    "0.44, 0.69": ("0.44, 0.69", {}),  # comes to rest
+}
+WAY_GRIDS = (0.006, 0.003, 0.002)  # m
 AT_22 = 1.76  # s, the last time that the paper shows at 22 deg
 RUNOUT_0, SLACK = 0.475, 0.025  # m from the back wall, measured at 0 deg; saltation and reading
 HEIGHT_0, HEIGHT_SLACK = 0.14, 0.005  # m
@@ -112,7 +118,7 @@ def beds(options):
 
 
 def grid(options):
-    """Run 22 deg, w = 10 cm, 0.38, 0.64, no slip on finer and finer grids, and with shorter time steps."""
+    """Run 22 deg, w = 10 cm, 0.38, 0.64, no slip on finer and finer grids, in shorter steps, and in other ways."""
     cases = {
         f"{words}; {1e3 * size:g} mm": collapse(22.0, WIDTH, size)
         | bed("0.38, 0.64", slips, length)
@@ -130,6 +136,14 @@ def grid(options):
             | bed("0.38, 0.64", False, 1.65)
             | {"effects.lateral_friction": SINK, "time.step_max": step}
         )
+    for words, (friction, changes) in WAYS.items():
+        for size in WAY_GRIDS:
+            cases[f"no slip; L = 1.65 d; {1e3 * size:g} mm; {words}"] = (
+                collapse(22.0, WIDTH, size)
+                | bed(friction, False, 1.65)
+                | {"effects.lateral_friction": SINK}
+                | changes
+            )
     return run_table(options.tables / "grid.csv", cases, options)
 
 
