@@ -17,6 +17,7 @@ from plots import (
     paper_profiles,
     paper_refinement,
     paper_sensitivity,
+    paper_slow_phase,
     paper_style,
     paper_verdicts,
     paper_viscosity_field,
@@ -39,6 +40,7 @@ FIGURES = (
     paper_closure,
     paper_double_counting,
     paper_sensitivity,
+    paper_slow_phase,
     paper_beds,
     paper_verdicts,
 )

@@ -94,6 +94,7 @@ PAPER = (
     "runs/paper/rough*/*/scalars.csv",
     "runs/paper/rough*/*/curves.csv",
 )
+SEARCHED = ("runs/paper/slow_phase/*.csv",)  # figures of the paper read them, no statement does
 COMPARED = tuple(
     f"runs/comparison/{part}{kind}.csv"
     for part in ("columns", "volume_of_fluid", "channel", "plane")
@@ -172,9 +173,9 @@ TASKS = (
         ("runs/acceptance/matrix.csv", "runs/acceptance/grid.csv"),
     ),
     *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
-    study("paper", "slow_phase", ("slow_phase/phases.csv",), None, 1633.0),
+    study("paper", "slow_phase", ("slow_phase/phases.csv", "slow_phase/speeds.csv"), None, 1633.0),
     Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
-    figures("paper", "paper", ("paper_*",), (*PAPER, *STATEMENTS), 60.0),
+    figures("paper", "paper", ("paper_*",), (*PAPER, *SEARCHED, *STATEMENTS), 60.0),
     study("paper_facts", "facts", ("facts.csv", "facts_sets.csv"), None, 840.0),
     study("paper_facts", "finer", ("finer.csv", "finer_sets.csv"), None, 120.0),
     study("paper_facts", "beds", ("beds.csv",), THIN, 300.0),

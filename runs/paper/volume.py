@@ -30,9 +30,9 @@ DILATANCY = {  # K, nu_c, slope b, nu_0
     "K = 5, b = 0.2, 0.64 to 0.585": (5.0, 0.585, 0.20, 0.64),
     "K = 5, b = 0.2, from 0.60": (5.0, 0.60, 0.20, 0.60),
     "K = 20, b = 0.25, from 0.62": (20.0, 0.62, 0.25, 0.62),
-    "K = 20, b = 0.25, 0.64 to 0.585": (20.0, 0.585, 0.25, 0.64),
+    "K = 5, b = 0.25, 0.64 to 0.585": (5.0, 0.585, 0.25, 0.64),
 }
-ON_OTHER_GRAINS = ("K = 4, 0.62 to 0.60", "K = 20, b = 0.25, from 0.62")
+ON_OTHER_GRAINS = ("K = 4, 0.62 to 0.60", "K = 4, from 0.60")
 RATIOS = (1.2, 1.5)  # velocity in the middle of the channel over that at the walls
 VIEWS = ("wall", "centre")
 THRESHOLDS = (1.0e-3, 2.0e-3, 5.0e-3)  # m
