@@ -22,12 +22,14 @@ from plots import (
     paper_verdicts,
     paper_viscosity_field,
     paper_volume,
+    paper_volume_seen,
 )
 from plots.paper_style import PAPER
 
 FIGURES = (
     paper_profiles,
     paper_volume,
+    paper_volume_seen,
     paper_front_walls,
     paper_front_viscosity,
     paper_viscosity_field,

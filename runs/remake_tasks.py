@@ -94,7 +94,7 @@ PAPER = (
     "runs/paper/rough*/*/scalars.csv",
     "runs/paper/rough*/*/curves.csv",
 )
-SEARCHED = ("runs/paper/slow_phase/*.csv",)  # figures of the paper read them, no statement does
+SEARCHED = ("runs/paper/slow_phase/*.csv", "runs/paper/volume/*.csv")  # for figures, no statement
 COMPARED = tuple(
     f"runs/comparison/{part}{kind}.csv"
     for part in ("columns", "volume_of_fluid", "channel", "plane")
@@ -174,6 +174,13 @@ TASKS = (
     ),
     *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
     study("paper", "slow_phase", ("slow_phase/phases.csv", "slow_phase/speeds.csv"), None, 1633.0),
+    study(
+        "paper",
+        "volume",
+        ("volume/runs.csv", "volume/seen.csv", "volume/changes.csv"),
+        ("lateral_friction", "dilatancy", "transverse_profile"),
+        1350.0,
+    ),
     Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
     figures("paper", "paper", ("paper_*",), (*PAPER, *SEARCHED, *STATEMENTS), 60.0),
     study("paper_facts", "facts", ("facts.csv", "facts_sets.csv"), None, 840.0),
