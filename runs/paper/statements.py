@@ -10,7 +10,13 @@ numbers, their grid uncertainty and a criterion, see `verdicts.py` and `settled.
 from pathlib import Path
 
 from fvcollapse.files.atomic import write_atomic
-from runs.paper import statements_mesh, statements_open, statements_viscosity, statements_walls
+from runs.paper import (
+    statements_cost,
+    statements_mesh,
+    statements_open,
+    statements_viscosity,
+    statements_walls,
+)
 from runs.paper.beds import BEDS, SLIDES, WORDS
 from runs.paper.settled import VERDICTS, reading_name, settle
 from runs.table import MissingRun, Tables, write_table
@@ -22,6 +28,7 @@ CLAIMS = (
     *statements_viscosity.CLAIMS,
     *statements_mesh.CLAIMS,
     *statements_open.CLAIMS,
+    *statements_cost.CLAIMS,
 )
 HEAD = (
     "statement",

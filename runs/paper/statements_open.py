@@ -1,4 +1,4 @@
-"""What the paper leaves open, or says of other closures and of the experiments, as measures of the tables."""
+"""What the paper leaves open, or says of other closures, as measures of the tables."""
 
 import numpy as np
 
@@ -177,43 +177,6 @@ for _words, (_name, _width) in VARIANTS.items():
     count_twice(_words, _name, _width)
 
 
-# -- cost ----------------------------------------------------------------------------------------
-
-
-@claim(
-    "V",
-    "a time step costs a few seconds to a few minutes",
-    "of that code",
-    on_beds=False,
-)
-def step_cost(t):
-    rows = [t.row(name) for name in (muI(22, "w10"), muI(22, "winf"), "eta0.4_a22_w10")]
-    steps = ", ".join(f"{1e3 * row['cpu_s'] / row['steps']:.1f}" for row in rows)
-    spent = ", ".join(f"{row['cpu_s']:.0f}" for row in rows)
-    return [], f"here {steps} ms a step, {spent} CPU s a run (22°, the paper's cell size)"
-
-
-@claim(
-    "V",
-    "η_I costs more than η_c, up to twice",
-    "linear solves of η_I over those of η_c = 0.4 Pa s between 1 and 2",
-)
-def law_cost(t):
-    return [
-        Clause(
-            f"{a}°",
-            t.measure(
-                lambda r, a=a: (
-                    t.row(muI(a, "w10"), r)["sweeps"] / t.row(f"eta0.4_a{a}_w10", r)["sweeps"]
-                )
-            ),
-            "within",
-            (1.0, 2.0),
-        )
-        for a in (10, 16, 22)
-    ]
-
-
 # -- tables beside the statements ------------------------------------------------------------------
 
 
@@ -284,17 +247,3 @@ TABLES = (  # title, head, rows
         parameter_rows,
     ),
 )
-
-
-# -- statements about experiments that are not supplied --------------------------------------------
-
-UNSUPPLIED = (
-    ("3, 4", "with lateral friction profiles and runouts are closer to the experiment"),
-    ("5, 6", "the experiments dilate: +3 % (w = 10 cm), up to +10 % (20 cm, 22°), and back"),
-    ("7, 8", "with lateral friction the front velocities are closer to the experiment"),
-    ("12, 13", "η_c = 1 Pa s fits the measured front velocities best"),
-    ("14, 15", "the measured slow phase is better reproduced by 1 than by 2 Pa s"),
-    ("16", "one cannot tell which viscosity is closest to the measured deposit"),
-)
-for _place, _words in UNSUPPLIED:
-    claim(_place, _words, "the measured curves are not supplied", on_beds=False)(lambda t: [])

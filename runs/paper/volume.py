@@ -59,11 +59,11 @@ def search(options):
     path, out = options.tables / "volume" / "runs.csv", options.out / "volume"
     settings = {name: of | {"grid.cell_size": options.cell_size} for name, of in cases().items()}
     missing, runs, rows, lines = [], [], [], []
-    for name, first, result, problem in run_settings(path, settings, out, options.workers):
+    for name, _, result, problem in run_settings(path, settings, out, options.workers):
         if result is None:
             missing.append(problem)
             continue
-        runs.append(first | about(result) | {"cpu_s": round(cost(out / name), 1)})
+        runs.append({"name": name} | about(result) | {"cpu_s": round(cost(out / name), 1)})
         for words, time, change in seen(result):
             rows.append({"name": f"{name}; {words}"} | row_of(time, change))
             if f"{name}; {words}" in SHOWN:
