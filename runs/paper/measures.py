@@ -162,17 +162,16 @@ def tail_ratio(velocity):
 def convexity(velocity):
     """How a front bends while it slows down: change of the deceleration over its mean, from 0.9 to 0.2 of the peak.
 
-    Of the least-squares parabola through that part. 0 of a constant deceleration, above 0 where it is fast first and
-    slow then, below 0 where it is the other way round. A front slower than that passes fewer than three cells
-    of 6 mm in the 80 ms over which its velocity is taken. NaN where fewer than six values are left.
+    The peak is `peak_velocity`. Of the least-squares parabola through that part: 0 of a constant deceleration, above 0
+    where it is fast first and slow then, below 0 where it is the other way round. A front slower than that passes fewer
+    than three cells of 6 mm in the 80 ms over which its velocity is taken. NaN where fewer than six values are left.
 
     Parameters
     ----------
     velocity : (n,) array
         Front velocity [m/s] at equidistant times.
     """
-    peak = peak_index(velocity)
-    after = velocity[peak:] / velocity[peak]
+    after = velocity[peak_index(velocity) :] / peak_velocity(velocity)
     start, stop = (int(np.argmax(after < level)) for level in (BENDS_FROM, BENDS_TO))
     part = after[start:stop]
     if part.size < 6:
