@@ -120,7 +120,7 @@ PAPER_PARTS = {  # part: CPU s
     "rough_thin_layer/older_closure": 130.0,
     "rough_thin_layer/double_counting": 90.0,
     "rough_thin_layer/back_wall": 45.0,
-    "finer": 1200.0,
+    "finer": 2900.0,
 }
 
 
