@@ -9,6 +9,7 @@ import pytest
 from fvcollapse.case.case import GRAVITY, Case
 from fvcollapse.effects.transverse_profile import view_factor
 from fvcollapse.output.result import Profiles
+from plots import paper_volume_seen
 from runs.paper import volume, volume_seen
 from runs.table import as_line, read_table
 
@@ -157,3 +158,13 @@ def test_the_changes_of_the_figure_are_kept_by_name_and_made_by_a_case(tmp_path)
     assert rows[first].at[-1] == pytest.approx(TIMES[-1])
     for name in volume.SHOWN:
         assert name.rpartition("; ")[0] in volume.cases()
+
+
+def test_the_figure_draws_what_is_kept():
+    names = [
+        f"{paper_volume_seen.GRAINS}; {width}; {kind}"
+        for width in paper_volume_seen.WANTED
+        for kind in paper_volume_seen.KINDS
+    ]
+    assert names == volume.SHOWN
+    assert [value / 100.0 for value in paper_volume_seen.WANTED.values()] == list(volume.WANTED)
