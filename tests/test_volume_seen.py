@@ -168,3 +168,22 @@ def test_the_figure_draws_what_is_kept():
     ]
     assert names == volume.SHOWN
     assert [value / 100.0 for value in paper_volume_seen.WANTED.values()] == list(volume.WANTED)
+
+
+def test_the_search_writes_runs_what_is_seen_and_the_lines_of_the_figure(tmp_path, monkeypatch):
+    names = [volume.name_of(volume.MAIN, 0.1, kind) for kind in ("plain", "K = 4, from 0.60")]
+    short = {name: volume.cases()[name] | {"time.end": 0.2} for name in names}
+    monkeypatch.setattr(volume, "cases", lambda: short)
+    options = SimpleNamespace(out=tmp_path, tables=tmp_path, cell_size=0.03, workers=1)
+    for _ in range(2):  # the second finds all done
+        assert volume.search(options) == []
+        found = {
+            part: read_table(tmp_path / "volume" / f"{part}.csv")
+            for part in ("runs", "seen", "changes")
+        }
+        assert [row["name"] for row in found["runs"]] == names
+        assert {row["case"] for row in found["changes"]} == {
+            name for name in volume.SHOWN if name.rpartition("; ")[0] in names
+        }
+        swelling = [row for row in found["seen"] if row["name"] == f"{names[1]}; grains"]
+        assert 0.0 < float(swelling[0]["largest_percent"]) < 5.0
