@@ -30,6 +30,8 @@ COMMANDS = {  # words of the command, and a part of the message
     "verify": (["verify", "nope", "--json", "OUT"], "a verification problem"),
     "bench": (["bench", "nope"], "22deg_w10cm_6mm"),
     "blind score": (["blind", "score", ".", "no.json", "--labels", "c.json"], "c.json: file"),
+    "blind make": (["blind", "make", "--cases", "0", "--out", "OUT"], "1 to 100000"),
+    "workers": (["blind", "make", "--cases", "1", "--workers", "0", "--out", "OUT"], ">= 1"),
     "import-curves": (
         ["import-curves", "--front", "a.csv", "--profile", "0.1=b.csv", "--out", "OUT"],
         "a.csv, b.csv: file",
