@@ -294,6 +294,16 @@ def test_meshio_reads_the_grains_of_each_time(folder):
             assert len(points) == len(point_data["level_set"])
 
 
+def test_a_result_holds_no_references_which_differ_between_equal_runs(folder):
+    """Dimension scales of HDF5 are such; `to_xarray` names the dimensions in their place."""
+    with h5py.File(folder / "result.h5") as file:
+        objects = [file]
+        file.visititems(lambda _, found: objects.append(found))
+        assert len(objects) > 20
+        for found in objects:
+            assert not {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS"} & set(found.attrs)
+
+
 # -- progress ----------------------------------------------------------------------------------
 
 
