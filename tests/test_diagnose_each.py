@@ -76,6 +76,10 @@ def test_a_dry_diagnosis_counts_its_runs(tmp_path, capsys):
     told = re.match(
         r"(\d+) runs, about \d+ s on 2 cores, .* up to (\d+) more", capsys.readouterr().out
     )
+    assert "warning" not in capsys.readouterr().err
+    assert main([*words, "--cell-size", "0.02", "--dry-run"]) == 0
+    assert "--cell-size: found 0.02 m; expected: at most" in capsys.readouterr().err
+    assert not out.exists()
     assert int(told[1]) >= 2 + 20 + 3  # two grids, the ensemble, levels of the effect
     assert int(told[2]) > 0
     assert not out.exists()

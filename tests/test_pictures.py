@@ -15,6 +15,7 @@ from fake_simulation import FakeSimulation
 from PIL import Image
 
 from fvcollapse import open_result
+from fvcollapse.__main__ import main
 from fvcollapse.case.case import Case
 from fvcollapse.draw import animation, captions, drawing, figures, grains, look, pictures
 from fvcollapse.errors import InputError, OutputError
@@ -174,6 +175,28 @@ def test_a_front_that_runs_back_is_explained(folder):
     assert "No grain runs back" in text
     words = [text.get_text() for text in figures.draw_front(result).axes[0].texts]
     assert any("thinner than 5 mm" in text for text in words)
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["--fields", "sped"], "field: found sped"),
+        (["--times", "0.1", "99"], "--times: found 99"),
+        (["--times", "-1"], "--times: found -1"),
+        (["--animation", "mp4"], "--animation mp4: found no ffmpeg"),
+    ],
+)
+def test_a_refused_plot_leaves_nothing(folder, tmp_path, monkeypatch, capsys, words, found):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    before = sorted(folder.iterdir())
+    assert main(["plot", str(folder), "--out", str(tmp_path / "drawn"), *words]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert found in told
+    assert main(["plot", str(folder), *words]) == 2
+    assert sorted(folder.iterdir()) == before
+    assert not (tmp_path / "drawn").exists()
 
 
 def test_a_field_that_is_not_there_is_refused(folder, tmp_path):

@@ -22,7 +22,7 @@ from fvcollapse.blind.labels import (
 )
 from fvcollapse.blind.measurement import film
 from fvcollapse.blind.plain_values import Entry, Plan, Run, World
-from fvcollapse.blind.seal import SEAL, canonical, seal_text
+from fvcollapse.blind.seal import SEAL, canonical, refuse_count, seal_text
 from fvcollapse.blind.set_ups import errors_of, set_up_of, settings_text
 from fvcollapse.blind.truth import keep_truth, view_of
 from fvcollapse.case.case import case_from_text
@@ -32,7 +32,6 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.studies.workers import HERE, Resources, refuse_workers, run_all
 
-CASES_MAX = 100_000
 REDRAWS = 5  # of a case whose truth cannot be computed
 MOMENT = 946_684_800  # s; modification time of every file: 1 January 2000
 
@@ -73,8 +72,7 @@ def make(
     """
     refuse_workers(resources.workers)
     folder, labels = places(folder, labels)
-    if not 1 <= count <= CASES_MAX:
-        raise InputError("command line", "--cases", f"{count}", f"a number from 1 to {CASES_MAX}")
+    refuse_count(count)
     plan = begun_plan(count, folder, labels)
     if plan is None:
         plan = draw_plan(count, draw)

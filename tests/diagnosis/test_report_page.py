@@ -35,7 +35,9 @@ from fvcollapse.errors import OutputError
 from fvcollapse.measure.quantities import QUANTITIES
 from fvcollapse.studies.standing import StandingWorkers
 
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium")
+needs_browser = pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium: the layout of the report is not tested"
+)
 LONGEST = {1280: 9000, 768: 11000, 390: 13500}  # pixels, as it opens
 SMALLEST = 8.0  # pixels: letters in a figure on a telephone
 CHAPTERS = ("which", "far", "where", "next", "overlays", "compared", "alike", "limits", "cost")
