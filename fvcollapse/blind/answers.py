@@ -95,8 +95,18 @@ def answer_of_report(report: "Report") -> Answer:
             "actual": fitted.fraction_closed,
             "winner": winner.fraction_closed,
             "runner_up": second.fraction_closed if second else None,
-        }
+        } | left_of(report, has_rival=second is not None)
     return answer
+
+
+def left_of(report: "Report", has_rival: bool) -> dict[str, float | None]:
+    """What winner and runner-up leave of the gap of the experiment held out; empty without one, or without a rival."""
+    confirmation = report.details.confirmation
+    folds = [fold for fold in confirmation.folds if fold.held_out] if confirmation else []
+    if not has_rival or len(folds) != 1:
+        return {}
+    (fold,) = folds
+    return {"winner_left": fold.winner_left, "runner_up_left": fold.runner_up_left}
 
 
 def write_answers(path: str | Path, answered: Mapping[str, Answer]) -> None:

@@ -138,12 +138,14 @@ class Interval(TypedDict):
 
 
 class Reduction(TypedDict):
-    """Parts of the gap that are closed; `winner` where an experiment was held out."""
+    """Parts of the gap that are closed; `winner` where an experiment was held out, and what both leave of its gap."""
 
     predicted: float | None
     actual: float | None
     runner_up: float | None
     winner: NotRequired[float | None]
+    winner_left: NotRequired[float | None]
+    runner_up_left: NotRequired[float | None]
 
 
 class Answer(TypedDict):
