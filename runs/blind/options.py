@@ -35,6 +35,7 @@ def add_options(parser):
         default=FIRST,
         help=f"blind cases that begin by one of these experiments; default {', '.join(FIRST)}",
     )
+    parser.add_argument("--per-world", type=int, default=3, help="cases of a world; default 3")
     parser.add_argument("--ladders", type=int, default=40, help="whole diagnoses; default 40")
     parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
     parser.add_argument(

@@ -116,9 +116,11 @@ def table_of(scores):
 
 def make_blind_suite(arguments):
     """The blind suite, and a copy of its seal."""
+    if arguments.per_world < 1:
+        raise InputError("command line", "--per-world", f"{arguments.per_world}", "1, 2, 3, …")
     resources = Resources(arguments.workers, quiet=False)
     designs = tuple(design for design in BLIND_DESIGNS if min(design) in arguments.first)
-    draw = Draw(BLIND._replace(designs=designs))
+    draw = Draw(BLIND._replace(designs=designs), per_world=arguments.per_world)
     seal = make(arguments.cases, arguments.out / "blind", draw=draw, resources=resources)
     make_folder(arguments.tables.absolute())
     shutil.copyfile(seal, arguments.tables / SEAL)

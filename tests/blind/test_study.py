@@ -52,7 +52,7 @@ def test_a_suite_may_begin_by_some_experiments_only(tmp_path, monkeypatch, capsy
     drawn = []
 
     def make(count, folder, draw, resources):
-        drawn.append(draw.style.designs)
+        drawn.append((draw.style.designs, draw.per_world))
         folder.mkdir()
         (folder / "SEAL.json").write_text("{}")
         return folder / "SEAL.json"
@@ -60,15 +60,16 @@ def test_a_suite_may_begin_by_some_experiments_only(tmp_path, monkeypatch, capsy
     monkeypatch.setattr(study, "make", make)
     call = ["make", "--out", str(tmp_path), "--tables", str(tmp_path / "tables"), "--first"]
     assert main([*call, "slope13_width07", "slope08_width14"]) == 0
-    assert drawn == [
-        (
-            ("slope08_width14", "slope13_width14", "slope18_width14"),
-            ("slope13_width07", "slope13_width07_tall"),
-        )
-    ]
+    designs = (
+        ("slope08_width14", "slope13_width14", "slope18_width14"),
+        ("slope13_width07", "slope13_width07_tall"),
+    )
+    assert drawn == [(designs, 3)]
     assert (tmp_path / "tables" / "SEAL.json").exists()
     assert main([*call, "slope99_width99"]) == 2
     assert "--first: found slope99_width99; allowed: slope04_width07" in capsys.readouterr().err
+    assert main([*call, "slope13_width07", "--per-world", "0"]) == 2
+    assert "--per-world: found 0; allowed: 1, 2, 3, …" in capsys.readouterr().err
 
 
 def test_the_last_experiment_of_a_case_is_held_out(tmp_path, monkeypatch):
