@@ -1,16 +1,22 @@
 """The answers to the first and a next experiment of a case together; no label is read."""
 
 import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 from fvcollapse.blind.case_evidence import analysis_of, runner_of
 from fvcollapse.blind.next_plan import first_experiment, short_answer
+from fvcollapse.blind.plain_values import Added, Answer, NextAnswer, NextPlan
 from fvcollapse.diagnosis.diagnose import judge
 from fvcollapse.errors import NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.experiment import SETTINGS
 
 
-def keep_next_answers(cases, places, options):
+def keep_next_answers(
+    cases: Sequence[Path], places: tuple[Path, Path], options: Mapping[str, Any]
+) -> dict[str, NumericalError]:
     """Write the answers after every next experiment of some cases; {case: NumericalError} of those that failed.
 
     Parameters
@@ -24,7 +30,7 @@ def keep_next_answers(cases, places, options):
         See `case_evidence.study`.
     """
     films, out = places
-    runner, failed = runner_of(options), {}
+    runner, failed = runner_of(options), dict[str, NumericalError]()
     for case in cases:
         answers = {}
         for path in sorted((films / case.name).glob(f"*/{SETTINGS}")):
@@ -40,12 +46,21 @@ def keep_next_answers(cases, places, options):
     return failed
 
 
-def together(plan, answers):
+def together(plan: NextPlan, answers: Mapping[str, Answer]) -> NextAnswer:
     """The entry of a case in the file of answers: its plan, without the changes as numbers, and its answers."""
-    added = {
-        name: {key: value for key, value in about.items() if key != "changes"}
-        | {"answer": answers.get(name)}
-        for name, about in plan["candidates"].items()
+    added: dict[str, Added] = {
+        name: {
+            "words": planned["words"],
+            "expected_gain": planned["expected_gain"],
+            "separates": planned["separates"],
+            "answer": answers.get(name),
+        }
+        for name, planned in plan["candidates"].items()
     }
-    kept = {name: plan[name] for name in ("first", "leading", "recommended", "random")}
-    return kept | {"added": added}
+    return {
+        "first": plan["first"],
+        "leading": plan["leading"],
+        "recommended": plan["recommended"],
+        "random": plan["random"],
+        "added": added,
+    }

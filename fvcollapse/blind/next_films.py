@@ -8,22 +8,28 @@ is said to be removed at once still has the hidden defect of a gate.
 import json
 import shutil
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 
 from fvcollapse.blind.generator import draw_added
 from fvcollapse.blind.labels import read_labels
 from fvcollapse.blind.make import write_experiment
 from fvcollapse.blind.next_plan import first_experiment
+from fvcollapse.blind.plain_values import Entry, Run
 from fvcollapse.blind.seal import check_seal
-from fvcollapse.blind.set_ups import set_up_of, varied
+from fvcollapse.blind.set_ups import SetUp, set_up_of, varied
 from fvcollapse.blind.truth import keep_truth
 from fvcollapse.errors import FvcollapseError, NumericalError
 from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS
-from fvcollapse.studies.workers import HERE, run_all
+from fvcollapse.studies.workers import HERE, Resources, run_all
+
+Call = tuple[str, str]  # case and candidate
 
 
-def film_next(folder, labels, plans, out, resources=HERE):
+def film_next(
+    folder: Path, labels: Path, plans: Path, out: Path, resources: Resources = HERE
+) -> dict[Call, NumericalError]:
     """Write `<case>/<candidate>` below a folder for every candidate of every plan; what is there stays.
 
     Parameters
@@ -53,9 +59,9 @@ def film_next(folder, labels, plans, out, resources=HERE):
     check_seal(folder, entries, labels)
     wanted = missing_films(folder, entries["cases"], plans, out)
     work = make_folder(labels.with_name(f"{labels.name}.next"), mode=0o700)  # it shows the causes
-    failed = {}
+    failed: dict[Call, NumericalError] = {}
 
-    def finished(call, outcome):
+    def finished(call: Call, outcome: FvcollapseError | None) -> None:
         """Film a truth that has been run."""
         if isinstance(outcome, NumericalError):
             failed[call] = outcome
@@ -76,7 +82,9 @@ def film_next(folder, labels, plans, out, resources=HERE):
     return failed
 
 
-def missing_films(folder, entries, plans, out):
+def missing_films(
+    folder: Path, entries: Mapping[str, Entry], plans: Path, out: Path
+) -> dict[Call, tuple[SetUp, Run]]:
     """{(case, candidate): (SetUp, run)} of what is not filmed yet."""
     wanted = {}
     for path in sorted(Path(plans).glob("*.json")):

@@ -7,26 +7,37 @@ possible is found later. It is written before anything of the next experiment is
 
 import json
 import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fvcollapse.blind.case_evidence import analysis_of, design_of, runner_of
-from fvcollapse.blind.set_ups import VARIED, set_up_of, varied
+from fvcollapse.blind.plain_values import Answer, NextPlan, Planned
+from fvcollapse.blind.set_ups import VARIED, SetUp, set_up_of, varied
 from fvcollapse.diagnosis.diagnose import judge
 from fvcollapse.diagnosis.next_experiment import choices, leading
 from fvcollapse.diagnosis.report.words import candidate_words
 from fvcollapse.errors import NumericalError
 from fvcollapse.files.atomic import write_atomic
 
+if TYPE_CHECKING:
+    from fvcollapse.diagnosis.next_experiment import Choice
+    from fvcollapse.diagnosis.runner import Runner
+    from fvcollapse.diagnosis.verdict import Verdict
+
 SEED = 2027  # of the random choice
 
 
-def first_experiment(case):
+def first_experiment(case: Path) -> Path:
     """Folder of the experiment of a case that is there before the next one."""
     return case / design_of(case)[0]
 
 
-def keep_plans(cases, out, options):
+def keep_plans(
+    cases: Sequence[Path], out: Path, options: Mapping[str, Any]
+) -> dict[str, NumericalError]:
     """Write `<case>.json` into a folder for some cases; {case: NumericalError} of those that failed.
 
     Parameters
@@ -36,7 +47,7 @@ def keep_plans(cases, out, options):
     options : dict
         See `case_evidence.study`.
     """
-    runner, failed = runner_of(options), {}
+    runner, failed = runner_of(options), dict[str, NumericalError]()
     for case in cases:
         try:
             text = json.dumps(plan_of(case, runner, options), indent=1)
@@ -47,7 +58,7 @@ def keep_plans(cases, out, options):
     return failed
 
 
-def plan_of(case, runner, options):
+def plan_of(case: Path, runner: "Runner", options: Mapping[str, Any]) -> NextPlan:
     """The plan of a case.
 
     Returns
@@ -71,9 +82,9 @@ def plan_of(case, runner, options):
     }
 
 
-def candidates_of(set_up, found):
+def candidates_of(set_up: SetUp, found: "Iterable[Choice]") -> dict[str, Planned]:
     """{name: about} of the `Choice`s of a diagnosis that are no repeat of the set-up, in their order."""
-    table = {}
+    table: dict[str, Planned] = {}
     for choice in found:
         changes = choice.candidate.changes
         if varied(set_up, changes) != set_up:
@@ -86,20 +97,20 @@ def candidates_of(set_up, found):
     return table
 
 
-def name_of(changes):
+def name_of(changes: Mapping[str, float]) -> str:
     """Name of a set-up that differs from the first one, which is that of its folder."""
     parts = [f"{VARIED[key]}_{value:g}" for key, value in changes.items() if key in VARIED]
     return "_".join(parts)
 
 
-def one_of(candidates, name):
+def one_of(candidates: Mapping[str, Planned], name: str) -> str | None:
     """A candidate drawn at random for the case of a name, whatever is recommended; None if there is none."""
     rng = np.random.default_rng([SEED, zlib.crc32(name.encode())])
     names = sorted(candidates)
     return names[rng.integers(len(names))] if names else None
 
 
-def short_answer(judged):
+def short_answer(judged: "Verdict") -> Answer:
     """A `Verdict` as an answer, without parameters."""
     return {
         "verdict": judged.kind,

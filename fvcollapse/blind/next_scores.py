@@ -7,7 +7,9 @@ after which the truth is the most probable, which nobody can know beforehand and
 those of 95 % of a bootstrap over worlds.
 """
 
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -15,6 +17,9 @@ from scipy.stats import spearmanr
 
 from fvcollapse.blind.forms import Answer, answer_problems
 from fvcollapse.blind.outcomes import SAMPLES, Outcome, best_credit, class_of
+from fvcollapse.blind.plain_values import Answer as GivenAnswer
+from fvcollapse.blind.plain_values import Average, Entry, Label
+from fvcollapse.blind.plain_values import NextAnswer as GivenNextAnswer
 from fvcollapse.diagnosis.next_experiment import entropy
 from fvcollapse.errors import InputError
 from fvcollapse.output.forms import form_problems
@@ -64,13 +69,13 @@ class Row(NamedTuple):
     world: str
     truth: str
     before: np.ndarray
-    after: dict
-    expected: dict
+    after: dict[str, np.ndarray]
+    expected: dict[str, float]
     recommended: str
     drawn: str
     is_leading: bool
 
-    def gains(self):
+    def gains(self) -> dict[str, np.ndarray]:
         """{choice: (3,) gains} of `CHOICES`; a drop of the entropy counts as a gain."""
         gains = {name: values - self.before for name, values in self.after.items()}
         best = max(gains, key=lambda name: tuple(gains[name][[1, 0, 2]]))
@@ -82,7 +87,7 @@ class Row(NamedTuple):
         }
 
 
-def read_next_answers(path, cases):
+def read_next_answers(path: Path, cases: Mapping[str, Entry]) -> dict[str, GivenNextAnswer]:
     """{case: entry} of a file of answers, checked.
 
     Raises
@@ -101,7 +106,7 @@ def read_next_answers(path, cases):
     return answers
 
 
-def next_problems(entry):
+def next_problems(entry: Any) -> Iterator[tuple[str, str, str]]:
     """(key, found, allowed) of what is wrong in the entry of a case."""
     wrong = list(form_problems(entry, NextAnswer))
     if wrong:
@@ -119,7 +124,9 @@ def next_problems(entry):
             yield key, f"{entry[key]!r:.40}", "a name in added"
 
 
-def next_scores(cases, answers):
+def next_scores(
+    cases: Mapping[str, Entry], answers: Mapping[str, GivenNextAnswer]
+) -> dict[str, Any]:
     """All scores of the next experiments.
 
     Parameters
@@ -147,7 +154,7 @@ def next_scores(cases, answers):
     }
 
 
-def row_of(label, entry):
+def row_of(label: Label, entry: GivenNextAnswer) -> Row | None:
     """The `Row` of a case; None without a recommendation, or if what it names was not compared."""
     after = {
         name: measures(label, about["answer"])
@@ -168,14 +175,14 @@ def row_of(label, entry):
     )
 
 
-def measures(label, answer):
+def measures(label: Label, answer: GivenAnswer) -> np.ndarray:
     """(3,) of `MEASURES`, the entropy with a minus sign."""
     shares = np.array([*answer["probability"].values()])
     truth = answer["probability"].get(label["cause"], 0.0)
     return np.array([right_of(label, answer), truth, -entropy(shares / shares.sum())])
 
 
-def right_of(label, answer):
+def right_of(label: Label, answer: GivenAnswer) -> float:
     """1 where the first name is the truth, 1/2 where it is one of two."""
     outcome = Outcome(
         label["cause"],
@@ -187,7 +194,7 @@ def right_of(label, answer):
     return best_credit(outcome, outcome.ranked()[:1])
 
 
-def groups_of(rows):
+def groups_of(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Rows whose truth the next experiment was to separate, those whose truth it was not, and rows by class."""
     groups = {"truth_leading": [row for row in rows if row.is_leading]}
     groups["truth_not_leading"] = [row for row in rows if not row.is_leading]
@@ -196,7 +203,7 @@ def groups_of(rows):
     return groups
 
 
-def compared(rows):
+def compared(rows: Sequence[Row]) -> dict[str, Any]:
     """Gains of every choice, and how far the recommended one is ahead, with their intervals."""
     if not rows:
         return {"cases": 0}
@@ -204,7 +211,8 @@ def compared(rows):
     before = np.array([row.before for row in rows])
     every = [row.gains() for row in rows]
     gains = {choice: np.array([each[choice] for each in every]) for choice in CHOICES}
-    table = {"cases": len(rows), "before": {}, "gain": {}, "ahead": {}, "ahead_of_aim": {}}
+    parts = ("before", "gain", "ahead", "ahead_of_aim")
+    table: dict[str, Any] = {"cases": len(rows)} | {part: {} for part in parts}
     for number, measure in enumerate(MEASURES):
         sign = -1.0 if measure == "entropy" else 1.0
         table["before"][measure] = over_worlds(sign * before[:, number], worlds)
@@ -216,7 +224,7 @@ def compared(rows):
     return table
 
 
-def over_worlds(values, worlds):
+def over_worlds(values: Sequence[float] | np.ndarray, worlds: Sequence[str]) -> Average:
     """{"value", "low", "high", "n"} of the mean of values (n,); whole worlds are drawn again."""
     values, rng = np.asarray(values, float), np.random.default_rng(0)
     _, group = np.unique(worlds, return_inverse=True)
@@ -227,9 +235,9 @@ def over_worlds(values, worlds):
     return {"value": float(values.mean()), "low": float(low), "high": float(high), "n": len(values)}
 
 
-def by_candidate(rows):
+def by_candidate(rows: Sequence[Row]) -> dict[str, Any]:
     """{kind of change: how often it could be chosen, was recommended, was the best, and its mean gains}."""
-    table = {}
+    table: dict[str, dict[str, Any]] = {}
     for row in rows:
         best = max(row.after, key=lambda name: tuple(row.after[name][[1, 0, 2]]))
         for name, values in row.after.items():
@@ -248,7 +256,7 @@ def by_candidate(rows):
     }
 
 
-def expectation(rows):
+def expectation(rows: Sequence[Row]) -> dict[str, Any]:
     """What was expected of the recommended experiment beside what came, and whether the order of the candidates holds.
 
     `order` is the mean over the cases of the rank correlation between expected gain and gain in the probability of the
@@ -272,7 +280,7 @@ def expectation(rows):
     }
 
 
-def is_best(row):
+def is_best(row: Row) -> float:
     """Whether no candidate makes the truth more probable than the recommended one."""
     most = max(values[1] for values in row.after.values())
     return float(row.after[row.recommended][1] >= most)
