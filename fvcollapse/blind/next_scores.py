@@ -88,16 +88,16 @@ class Row(NamedTuple):
 
 
 def read_next_answers(path: Path, cases: Mapping[str, Entry]) -> dict[str, GivenNextAnswer]:
-    """{case: entry} of a file of answers, checked.
+    """{case: entry} of a file of answers to all cases or to the first ones by number, checked.
 
     Raises
     ------
     InputError
     """
     answers = read_object(path, "answers: {case: {first, leading, added, recommended, random}}")
-    for name in cases:
+    for name in sorted(cases)[: len(answers)]:
         if name not in answers:
-            raise InputError(path, name, "no answer", "an answer to every case")
+            raise InputError(path, name, "no answer", "answers to all cases, or to the first ones")
     for name, entry in answers.items():
         if name not in cases:
             raise InputError(path, name, "no such case", "cases of the seal")

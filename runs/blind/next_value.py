@@ -24,10 +24,10 @@ ANSWERS, SCORES = "next_answers.json", "next_scores.json"
 
 
 def answer_next(arguments):
-    """Answers to the first experiment of every case, and to it and each next one; the labels are the world's alone."""
+    """Answers to the first experiment of the cases, and to it and each next one; the labels are the world's alone."""
     refuse_again(arguments.tables / ANSWERS)
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
-    cases = case_folders(folder)
+    cases = case_folders(folder)[: arguments.asked]
     plans, films, answers = (
         make_folder((arguments.out / "blind.next" / name).absolute())
         for name in ("plans", "films", "answers")
@@ -81,7 +81,9 @@ def score_next(arguments):
     plan = read_labels(labels)
     seal, checked = check_seal(folder, plan, labels)
     answered = read_next_answers(arguments.tables / ANSWERS, plan["cases"])
-    scores = {"seal": seal, "data_checked": checked} | next_scores(plan["cases"], answered)
+    cases = {name: plan["cases"][name] for name in answered}
+    about = {"seal": seal, "data_checked": checked, "sealed_cases": len(plan["cases"])}
+    scores = about | next_scores(cases, answered)
     if (arguments.tables / REDUCTIONS).exists():
         scores["reduction"] = scores_of_reductions(arguments.tables / REDUCTIONS)
     write_scores(arguments.tables / SCORES, scores)

@@ -37,6 +37,11 @@ def add_options(parser):
     )
     parser.add_argument("--per-world", type=int, default=3, help="cases of a world; default 3")
     parser.add_argument("--ladders", type=int, default=40, help="whole diagnoses; default 40")
+    parser.add_argument(
+        "--asked",
+        type=int,
+        help="cases whose next experiment is answered, the first by number; default all",
+    )
     parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
     parser.add_argument(
         "--layer",

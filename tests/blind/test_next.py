@@ -398,6 +398,16 @@ def test_answers_of_another_form_are_refused(change, key, tmp_path):
     path.write_text(json.dumps({"case_000": good | change}))
     with pytest.raises(InputError, match=key):
         read_next_answers(path, labels("gate"))
-    path.write_text(json.dumps({"case_009": good}))
-    with pytest.raises(InputError, match="no answer"):
+    path.write_text(json.dumps({"case_000": good, "case_009": good}))
+    with pytest.raises(InputError, match="no such case"):
         read_next_answers(path, labels("gate"))
+
+
+def test_answers_are_to_all_cases_or_to_the_first_ones(tmp_path):
+    sealed, good = labels("gate", "none", "none"), entry(answer(gate=1.0), "a", a=answer(gate=0.6))
+    path = tmp_path / "answers.json"
+    path.write_text(json.dumps({"case_000": good, "case_001": good}))
+    assert list(read_next_answers(path, sealed)) == ["case_000", "case_001"]
+    path.write_text(json.dumps({"case_000": good, "case_002": good}))
+    with pytest.raises(InputError, match="case_001.*no answer"):
+        read_next_answers(path, sealed)

@@ -148,11 +148,17 @@ def test_the_value_of_the_next_experiment_from_the_seal_to_the_scores(tmp_path, 
     assert found["case_001"]["added"] == {}
     assert main(["score_next", *call]) == 0
     scores = json.loads((tmp_path / "tables" / "next_scores.json").read_text())
+    assert (scores["sealed_cases"], scores["cases"]) == (4, 4)
     assert scores["nothing_left_to_separate"]["cases"] == 1
     assert scores["all"]["cases"] == 3
     assert scores["all"]["gain"]["entropy"]["recommended"]["value"] == pytest.approx(
         0.531, abs=1e-3
     )
+    (tmp_path / "tables" / "next_answers.json").unlink()
+    assert main(["next", "--asked", "2", *call]) == 0
+    assert main(["score_next", *call]) == 0
+    scores = json.loads((tmp_path / "tables" / "next_scores.json").read_text())
+    assert (scores["sealed_cases"], scores["cases"], scores["all"]["cases"]) == (4, 2, 1)
     (tmp_path / "tables" / "SEAL.json").write_text((tmp_path / "blind.labels.json").read_text())
     assert main(["score_next", *call]) == 2
 
