@@ -40,7 +40,17 @@ def next_experiments():
     rows.append(("the recommended one ahead of a random one", *ahead))
     aim = (gain(scores["ahead_of_aim"][measure], measure) for measure in before)
     rows.append(("ahead of twice the gain of a random one (aim: above 0)", *aim))
+    rows.append(
+        ("what the plan expected of the recommended one, of a random one", "", "", expected_drops())
+    )
     return table(heading, rows)
+
+
+def expected_drops():
+    """Expected drops of the entropy: of the recommended experiment, and of the mean candidate."""
+    about = next_scores()["expectation"]
+    parts = ("expected_drop_of_entropy", "expected_drop_by_a_random_one")
+    return ", ".join(f"{about[part]['value']:.2f}" for part in parts) + " bit"
 
 
 def levels(before):

@@ -257,7 +257,7 @@ def by_candidate(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def expectation(rows: Sequence[Row]) -> dict[str, Any]:
-    """What was expected of the recommended experiment beside what came, and whether the order of the candidates holds.
+    """What was expected of the recommended and of a random experiment, and whether the order of the candidates holds.
 
     `order` is the mean over the cases of the rank correlation between expected gain and gain in the probability of the
     truth.
@@ -266,6 +266,7 @@ def expectation(rows: Sequence[Row]) -> dict[str, Any]:
         return {}
     worlds = [row.world for row in rows]
     promised = [row.expected[row.recommended] for row in rows]
+    usual = [float(np.mean([*row.expected.values()])) for row in rows]
     orders, owners = [], []
     for row in rows:
         expected = [row.expected[name] for name in row.after]
@@ -275,6 +276,7 @@ def expectation(rows: Sequence[Row]) -> dict[str, Any]:
             owners.append(row.world)
     return {
         "expected_drop_of_entropy": over_worlds(promised, worlds),
+        "expected_drop_by_a_random_one": over_worlds(usual, worlds),
         "order": over_worlds(orders, owners) if orders else None,
         "best_was_recommended": over_worlds([is_best(row) for row in rows], worlds),
     }

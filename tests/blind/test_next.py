@@ -355,6 +355,10 @@ def test_gains_are_those_of_the_answers():
     assert scores["by_candidate"]["a"]["best"] == 1
     assert scores["expectation"]["best_was_recommended"]["value"] == 0.5
     assert scores["expectation"]["order"]["value"] == pytest.approx(0.0)
+    promised = [
+        scores["expectation"][f"expected_drop_{name}"] for name in ("of_entropy", "by_a_random_one")
+    ]
+    assert [each["value"] for each in promised] == [0.5, 0.375]
     assert scores["groups"]["truth_leading"]["cases"] == 2
 
 
