@@ -122,9 +122,19 @@ def held_out():
             "90 %",
         ),
         (
+            "the same two where the name is right",
+            both_of(scores["right_name"]),
+            "",
+        ),
+        (
             "winner closes a larger fraction of it beyond the noise",
             number(scores["winner_beats_runner_up"]),
             "",
         ),
     ]
     return table(heading, rows)
+
+
+def both_of(scores):
+    """How many closings are predicted within 0.10, and how many winners leave less than the runner-up."""
+    return "; ".join(number(scores[name]) for name in ("within_narrow", "winner_leaves_less"))

@@ -46,14 +46,15 @@ def held_out_answer(case, arguments):
     return answer_of_report(report)
 
 
-def scores_of_reductions(path):
-    """Scores of a file of whole diagnoses, of those that name an effect.
+def scores_of_reductions(path, only=None):
+    """Scores of a file of whole diagnoses, of those that name an effect; `only` of some cases.
 
     Raises
     ------
     InputError
     """
     whole = read_object(path, "answers with reductions")
-    named = [answer for answer in whole.values() if answer["verdict"] in NAMED]
+    asked = whole if only is None else {name: whole[name] for name in only}
+    named = [answer for answer in asked.values() if answer["verdict"] in NAMED]
     rows = [answer["reduction"] for answer in named if "reduction" in answer]
-    return {"diagnoses": len(whole), "named": len(rows)} | reduction_scores(rows)
+    return {"diagnoses": len(asked), "named": len(rows)} | reduction_scores(rows)

@@ -11,11 +11,12 @@ from fvcollapse.blind.labels import read_labels
 from fvcollapse.blind.next_answers import keep_next_answers, together
 from fvcollapse.blind.next_films import film_next
 from fvcollapse.blind.next_plan import keep_plans
-from fvcollapse.blind.next_scores import next_scores, read_next_answers
+from fvcollapse.blind.next_scores import next_scores, read_next_answers, right_of
 from fvcollapse.blind.score_table import write_scores
 from fvcollapse.blind.seal import check_seal
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.files.targets import make_folder
+from fvcollapse.output.json_files import read_object
 from fvcollapse.studies.workers import Resources
 from runs.blind.held_out import REDUCTIONS, scores_of_reductions
 from runs.blind.options import options_of, refuse_again, refuse_other_seal
@@ -74,6 +75,11 @@ def entry_of(case, plans, answers):
     return together(plan, answered)
 
 
+def right_names(answered, cases):
+    """Names of the cases whose first name is the truth alone."""
+    return [name for name in answered if right_of(cases[name]["label"], answered[name]) == 1.0]
+
+
 def score_next(arguments):
     """Opens the labels: the value of the next experiments, and of the whole diagnoses that are there."""
     refuse_other_seal(arguments)
@@ -85,6 +91,9 @@ def score_next(arguments):
     about = {"seal": seal, "data_checked": checked, "sealed_cases": len(plan["cases"])}
     scores = about | next_scores(cases, answered)
     if (arguments.tables / REDUCTIONS).exists():
-        scores["reduction"] = scores_of_reductions(arguments.tables / REDUCTIONS)
+        path = arguments.tables / REDUCTIONS
+        scores["reduction"] = scores_of_reductions(path)
+        right = right_names(read_object(path, "answers with reductions"), plan["cases"])
+        scores["reduction"]["right_name"] = scores_of_reductions(path, only=right)
     write_scores(arguments.tables / SCORES, scores)
     print(arguments.tables / SCORES)

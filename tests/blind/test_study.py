@@ -163,6 +163,25 @@ def test_the_value_of_the_next_experiment_from_the_seal_to_the_scores(tmp_path, 
     assert main(["score_next", *call]) == 2
 
 
+def test_whole_diagnoses_are_scored_where_the_name_is_right_too(tmp_path):
+    def named(effect, actual, left):
+        reduction = {"predicted": 1.0, "actual": actual, "winner": actual, "runner_up": 0.5}
+        reduction |= {"winner_left": left, "runner_up_left": 2.0}
+        answer = {"verdict": "effect", "probability": {effect: 0.9, "none": 0.1}, "set": [effect]}
+        return answer | {"reduction": reduction}
+
+    answered = {"case_001": named("gate", 0.95, 1.0), "case_002": named("viscosity", 0.3, 3.0)}
+    (tmp_path / "reductions.json").write_text(json.dumps(answered))
+    label = {"cause": "gate", "unknown_kind": None}
+    right = next_value.right_names(answered, dict.fromkeys(answered, {"label": label}))
+    assert right == ["case_001"]
+    every = held_out.scores_of_reductions(tmp_path / "reductions.json")
+    own = held_out.scores_of_reductions(tmp_path / "reductions.json", only=right)
+    assert (every["diagnoses"], own["diagnoses"]) == (2, 1)
+    assert [each["within_narrow"]["value"] for each in (every, own)] == [0.5, 1.0]
+    assert [each["winner_leaves_less"]["value"] for each in (every, own)] == [0.5, 1.0]
+
+
 def test_a_layer_is_restamped_with_a_reason(tmp_path, capsys):
     layer = tmp_path / "layer.json"
     model = replace(VerdictModel.load(), solver="0.1.0+0123456789ab", about={"cases": 3})
