@@ -1,7 +1,7 @@
 """Granular column collapse on a slope, in two dimensions; see README.md.
 
-The names below are imported when they are first used, so that importing the package costs nothing. `align` is a module
-of the same name: `from fvcollapse.align import align`.
+The names below are imported when they are first used, so that importing the package costs nothing. `align` is
+not among them, since its module has that name: `from fvcollapse.align import align`.
 """
 
 from importlib import import_module

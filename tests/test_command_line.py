@@ -11,8 +11,8 @@ from fvcollapse.errors import InputError
 from fvcollapse.studies import bench
 from fvcollapse.studies.cache import EXTRACT, RunCache, cache_key
 from fvcollapse.studies.cache_size import cache_size, prune
-from fvcollapse.verification import problem_names
 from fvcollapse.verification.names import CPU_TIME, NAMES
+from fvcollapse.verification.problems.all import PROBLEMS
 
 COARSE = {"grid.cell_size": 0.035, "time.end": 0.02}
 
@@ -77,7 +77,7 @@ def test_verify_says_what_it_will_take(capsys):
 
 
 def test_names_of_problems_are_known_without_the_solver():
-    assert list(NAMES) == problem_names()
+    assert list(NAMES) == [problem.name for problem in PROBLEMS]
 
 
 def test_bench_says_what_it_will_take(monkeypatch, capsys):
@@ -96,7 +96,7 @@ def test_bench_says_what_it_will_take(monkeypatch, capsys):
 def test_verify_lists_its_problems(capsys):
     assert main(["verify", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == problem_names()
+    assert [line.split()[0] for line in lines] == list(NAMES)
     assert all(len(line.split()) > 1 for line in lines)
 
 

@@ -15,7 +15,10 @@ COMMANDS = {  # words of the command, and a part of the message
     "sweep": (["sweep", CASE, "--vary", "grid.nope=1,2", "--out", "OUT"], "grid.nope"),
     "converge": (["converge", CASE, "--cell-size", "0.02", "--out", "OUT"], "three values"),
     "compare": (["compare", "a", "b", "--out", "OUT"], "a: file"),
-    "compare with a run": (["compare", "README.md", "b", "--out", "OUT"], "b: file"),
+    "compare with no result": (
+        ["compare", "README.md", EXPERIMENT, "--out", "OUT"],
+        "README.md: file",
+    ),
     "plot": (["plot", "nothere", "--out", "OUT"], "nothere"),
     "diagnose": (["diagnose", "nothere", "--out", "OUT"], "nothere/experiment.toml"),
     "diagnose held out": (["diagnose", EXPERIMENT, "--hold-out", "b", "--out", "OUT"], "b/exp"),

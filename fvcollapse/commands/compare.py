@@ -34,7 +34,7 @@ def execute(arguments: Namespace) -> int:
     from fvcollapse.output.question import claim_folder
     from fvcollapse.output.result import open_result
 
-    run = result_file(arguments.run)
+    result = open_result(result_file(arguments.run))
     other: Any = None
     experiment: Any = None
     if (arguments.other / SETTINGS).exists():
@@ -46,7 +46,6 @@ def execute(arguments: Namespace) -> int:
 
     names = [named(path) for path in (arguments.run, arguments.other)]
     folder = arguments.out or Path("out") / f"compare_{'_'.join(names)}"
-    result = open_result(run)
     rows = to_experiment(result, experiment) if experiment else between_runs(result, other)
     question = {"run": str(arguments.run.resolve()), "other": str(arguments.other.resolve())}
     claim_folder(folder, "compare", question, arguments.force)

@@ -56,7 +56,7 @@ def refuse_look(result_path: str | Path, look: Look) -> None:
     times = result.profiles.time
     slack = times[-1] - times[-2] if len(times) > 1 else 0.0  # the nearest stored time is drawn
     for time in look.times:
-        if not -slack <= time <= times[-1] + slack:
+        if not 0.0 <= time <= times[-1] + slack:
             allowed = f"0 to {times[-1]:g} s, the end of {result.path}"
             raise InputError("command line", "--times", f"{time:g}", allowed)
     if look.animation == "mp4":

@@ -15,8 +15,6 @@ from fvcollapse.measure.labels import labelled_rows
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
 from fvcollapse.measure.pile import front_position
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
-from fvcollapse.measure.series_readings import ENERGY_SPENT as ENERGY_SPENT  # for `series_row`
-from fvcollapse.measure.series_readings import LOSSES as LOSSES
 from fvcollapse.measure.series_readings import arrest_time, front_velocity, peak_front_velocity
 
 if TYPE_CHECKING:

@@ -101,7 +101,8 @@ def sweep(
     same = claim_folder(folder, "sweep", case_question(case), force, latitude)
     make_folder(folder, TABLE, UNITS_TABLE)
     if not same:
-        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+        for name in (TABLE, UNITS_TABLE):  # of another sweep
+            (folder / name).unlink(missing_ok=True)
     outcomes = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from fvcollapse.case.case import describe_keys
 
 UNITS_TABLE = "sweep_units.csv"
-WORDS = ("point", "status", "problem", "complete", "ended_at_rest", "trust", "trust_reasons")
 UNITS = {  # of the numbers of `Result.summary`; 1: a plain number
     "time": "s",
     "runout_10mm": "m",

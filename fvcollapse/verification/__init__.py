@@ -13,13 +13,6 @@ from fvcollapse.output.question import claim_file
 from fvcollapse.verification.names import CPU_TIME, NAMES
 
 
-def problem_names() -> list[str]:
-    """Names of all verification problems."""
-    from fvcollapse.verification.problems.all import PROBLEMS
-
-    return [problem.name for problem in PROBLEMS]
-
-
 def verify(
     names: Sequence[str] | None = None,
     json_path: str | Path | None = None,
@@ -31,7 +24,7 @@ def verify(
     Parameters
     ----------
     names : sequence of str, optional
-        Problems, as in `problem_names()`.
+        Problems, as in `verification.names.NAMES`.
     json_path : str or Path, optional
         Where to write the list of rows.
     markdown_path : str or Path, optional

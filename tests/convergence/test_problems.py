@@ -8,7 +8,7 @@ import pytest
 
 import fvcollapse
 from fvcollapse.__main__ import main
-from fvcollapse.verification import problem, problem_names, verify
+from fvcollapse.verification import problem, verify
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.terms import TERMS
 
@@ -103,7 +103,7 @@ def test_unknown_problem_is_refused(capsys):
 
 
 def test_names_are_unique():
-    assert len(set(problem_names())) == len(PROBLEMS) >= 20
+    assert len({problem.name for problem in PROBLEMS}) == len(PROBLEMS) >= 20
 
 
 def test_every_term_has_a_problem_and_a_file(tmp_path):

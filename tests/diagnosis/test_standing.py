@@ -157,16 +157,16 @@ def check_certainty(report, state, told, text):
     first = next(iter(told), NONE)
     if state == module.OPEN:
         assert f"the first has {told[first]}." in text
-    following = re.search(r"; (without .*, )?next is ([a-z ]+) with (.?\d+ %)", text)
+    following = re.search(r"; next is ([a-z ]+?)( without [a-z ,]+)? with (.?\d+ %)", text)
     if following:
-        cause = cause_of(following[2])
+        cause = cause_of(following[1])
         both = sum(
             chance
             for name, chance in report.verdict.probability.items()
             if cause in name.split("+") and not set(told) & set(name.split("+"))
         )
         assert following[3] == percent(both), text
-        assert bool(following[1]) == (percent(both) != percent(total(report, cause)))
+        assert bool(following[2]) == (percent(both) != percent(total(report, cause)))
         assert cause not in told
     if state in (module.NAMED, module.LEANING) and first not in (NONE, UNKNOWN):
         assert text.startswith(f"{hypothesis_name(first)} {told[first]}")

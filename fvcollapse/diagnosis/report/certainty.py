@@ -49,8 +49,8 @@ def probability_words(report: "Report", stand: "Standing") -> str:
     following = ""
     if chance >= NEXT:
         apart = percent(chance) != percent(shares[name])
-        only = f"without {'it' if len(causes) == 1 else 'them'}, " if apart else ""
-        following = f"; {only}next is {hypothesis_name(name)} with {percent(chance)}"
+        alone = f" without {listed(map(hypothesis_name, causes))}" if apart else ""
+        following = f"; next is {hypothesis_name(name)}{alone} with {percent(chance)}"
     stated = listed(f"{hypothesis_name(cause)} {percent(shares[cause])}" for cause in causes)
     if state == NOTHING:
         return (
