@@ -62,6 +62,24 @@ def test_the_peak_of_a_parabola_is_exact_and_a_ripple_hardly_moves_it():
         assert measures.peak_velocity(rough) == pytest.approx(PEAK, rel=0.012)
 
 
+@pytest.mark.parametrize("about", statement_terms.PEAKS.values())
+def test_all_windows_of_a_peak_give_that_of_a_parabola(about):
+    velocity = about_its_peak(measures.STEP * np.arange(120))
+    assert measures.peak_velocity(velocity, about) == pytest.approx(PEAK, rel=1e-9)
+
+
+def test_the_largest_value_keeps_its_ripple():
+    rough = about_its_peak(measures.STEP * np.arange(120))
+    rough[40] *= 1.05
+    assert measures.peak_velocity(rough, 1.0) == rough[40] == pytest.approx(1.05 * PEAK)
+
+
+def test_windows_of_a_deceleration_agree_on_one_that_is_constant():
+    velocity = slowing(lambda s: 1.0 - s)
+    bends = [measures.convexity(velocity, *window) for window in statement_terms.BENDS.values()]
+    assert bends == pytest.approx([0.0] * len(bends), abs=1e-9)
+
+
 def test_a_peak_at_the_end_or_of_a_few_values_is_the_largest_value():
     assert measures.peak_velocity(0.01 * np.arange(50.0)) == pytest.approx(0.49)
     single = np.zeros(60)
@@ -89,12 +107,13 @@ def shapes(tmp_path):
     return table.Tables(tmp_path)
 
 
-def test_the_distance_of_shapes_knows_no_length_and_tells_what_is_no_stretch(shapes):
-    assert (
-        statement_terms.profile_gap(shapes, "longer", "one", "peak_thickness_mm", None, 1.0) > 8.0
-    )
-    assert statement_terms.shape_distance(shapes, "longer", "one", 1.0) < 0.7  # fronts at 5 mm
-    assert statement_terms.shape_distance(shapes, "other", "one", 1.0) > 15.0
+def test_the_distance_of_shapes_in_units_of_length_tells_what_is_no_stretch(shapes):
+    def distance(case, least):
+        return statement_terms.shape_distance(shapes, case, "one", 1.0, least)
+
+    assert distance("longer", None) > 8.0
+    assert distance("longer", 5.0) < 0.7  # fronts at 5 mm
+    assert min(distance("other", least) for least in (5.0, None)) > 15.0
 
 
 def test_solves_are_counted_on_each_grid_that_all_cases_were_run_on(tmp_path):
@@ -105,8 +124,8 @@ def test_solves_are_counted_on_each_grid_that_all_cases_were_run_on(tmp_path):
         for r, count in zip((1.0, 1.5, 2.0, 3.0), counts, strict=False)
     ]
     table.write_table(tmp_path / "group" / table.SCALARS, rows)
-    found = list(statements_cost.solves(table.Tables(tmp_path), ["muI"], ["eta"]))
+    found = list(statements_cost.ratios(table.Tables(tmp_path), ["muI"], ["eta"], "sweeps"))
     assert [size for size, _ in found] == [6.0, 4.0, 3.0]
     assert [ratio.value for _, ratio in found] == pytest.approx([1.5, 200 / 260, 1.04])
-    verdicts = [Clause("", ratio, "within", (1.0, 2.0)).verdict for _, ratio in found]
+    verdicts = [Clause("", of, "within", (1.0, 2.0), of_paper=True).verdict for _, of in found]
     assert verdicts == [CONFIRMED, REFUTED, OPEN]

@@ -36,7 +36,7 @@ def older_slows(t):
 
 @claim(
     "V, (21)",
-    "without changing the velocity field, unlike the sink",
+    "the older closure does not change the velocity field, unlike the sink",
     "rms change of u over its surface value against w = ∞ (0.48 s, three columns): "
     "less than half of that by the sink",
 )
@@ -66,7 +66,7 @@ def closure_clauses(t, column, limit, sense, unit, slopes=SLOPES):
 
 @claim(
     "VII (question)",
-    "both closures give the same runout",
+    "older closure (h = 5 cm) and sink give the same runout",
     "older (h = 5 cm) and sink within 2 cm",
     front=True,
 )
@@ -80,7 +80,7 @@ def closures_same_runout(t):
 
 @claim(
     "VII (question)",
-    "and with h = 2.5 cm, about what flows at 22°",
+    "older closure (h = 2.5 cm, about what flows at 22°) and sink give the same runout",
     "older (h = 2.5 cm) and sink within 2 cm, w = 10 cm",
     front=True,
 )
@@ -145,7 +145,7 @@ def count_twice(words, name, width):
 
     @claim(
         "Table I (question)",
-        f"{words} agrees with the experiment, w = 10 cm",
+        f"µ1, µ2 = {words.removesuffix(' the sink')} the sink agrees with the experiment, w = 10 cm",
         "runout at 0° within 2.5 cm of 0.475 m and at 22° below 1.6 m, less than 2 % of the "
         "volume flowing at 1.76 s and 22°",
         front=True,
@@ -161,8 +161,9 @@ def count_twice(words, name, width):
                 "within",
                 (middle - slack, middle + slack),
                 "m",
+                of_paper=True,
             ),
-            Clause("22°", t.value(steep, t.runout), "below", DEPOSIT_LIMIT, "m"),
+            Clause("22°", t.value(steep, t.runout), "below", DEPOSIT_LIMIT, "m", of_paper=True),
             Clause("flowing", t.value(steep, "flowing_share_1.76"), "below", AT_REST),
         ]
         row, thick = t.row(flat), t.row(steep)
