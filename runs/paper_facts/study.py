@@ -39,6 +39,11 @@ HEIGHT_0, HEIGHT_SLACK = 0.14, 0.005  # m
 LIMIT_10, LIMIT_22 = 0.7, 1.6  # m; the deposit ends before
 FLOWING = 0.02  # share of the volume in motion; less is at rest
 GAIN = 0.005  # of the runout, by which the paper lets a front still advance after 1.76 s
+SWEEPS = {  # 30 sweeps do not converge while the gate leaves the dilating grains at 0.05 s; see README.md
+    ("0.48, 0.73; no slip; L = 1.65 d; dilatancy from 0.62, gate 0.8 m/s", 0.0, 0.006): {
+        "numerics.max_sweeps": 100
+    }
+}
 FRONTS = ("runout_1mm", "runout_5mm", "runout_10mm")
 
 
@@ -57,7 +62,9 @@ def hold(sets, stem, cell_size, options):
     """Run sets into <stem>.csv, hold them against the facts in <stem>_sets.csv; return what is missing."""
     path = options.tables / f"{stem}.csv"
     cases = {
-        f"{name}; {slope:g} deg": collapse(slope, WIDTH, cell_size) | settings
+        f"{name}; {slope:g} deg": collapse(slope, WIDTH, cell_size)
+        | settings
+        | SWEEPS.get((name, slope, cell_size), {})
         for name, settings in sets.items()
         for slope in SLOPES
     }
