@@ -1,6 +1,7 @@
 """Granular column collapse on a slope, in two dimensions; see README.md.
 
-The names below are imported when they are first used, so that importing the package costs nothing.
+The names below are imported when they are first used, so that importing the package costs nothing. `align` is
+not among them, since its module has that name: `from fvcollapse.align import align`.
 """
 
 from importlib import import_module
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from fvcollapse.output.deposit import from_deposit as from_deposit
     from fvcollapse.output.result import open_result as open_result
     from fvcollapse.output.run import run as run
+    from fvcollapse.studies.cache import RunCache as RunCache
     from fvcollapse.studies.converge import converge as converge
     from fvcollapse.studies.sweep import sweep as sweep
 
@@ -29,6 +31,7 @@ PUBLIC = {
     "diagnose": "diagnosis.diagnose",
     "sweep": "studies.sweep",
     "converge": "studies.converge",
+    "RunCache": "studies.cache",
 }
 __all__ = ["__version__", *PUBLIC]
 

@@ -1,3 +1,3 @@
-"""Public name of `fvcollapse.studies.cache`: the cache of runs."""
+"""The place of `RunCache` in earlier scripts; new ones import it from `fvcollapse`."""
 
 from fvcollapse.studies.cache import RunCache as RunCache

@@ -17,16 +17,19 @@ from plots import (
     paper_profiles,
     paper_refinement,
     paper_sensitivity,
+    paper_slow_phase,
     paper_style,
     paper_verdicts,
     paper_viscosity_field,
     paper_volume,
+    paper_volume_seen,
 )
 from plots.paper_style import PAPER
 
 FIGURES = (
     paper_profiles,
     paper_volume,
+    paper_volume_seen,
     paper_front_walls,
     paper_front_viscosity,
     paper_viscosity_field,
@@ -39,6 +42,7 @@ FIGURES = (
     paper_closure,
     paper_double_counting,
     paper_sensitivity,
+    paper_slow_phase,
     paper_beds,
     paper_verdicts,
 )

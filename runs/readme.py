@@ -22,18 +22,18 @@ from runs.readme_acceptance import (
     runouts,
 )
 from runs.readme_blind import blind_scores
-from runs.readme_comparison import bars, bars_say, steady_front
+from runs.readme_comparison import bars, bars_say, steady_front, steady_front_says
+from runs.readme_convergence import axes, convergence, convergence_says
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
-from runs.readme_facts import beds, facts, finer, grid, grid_says
+from runs.readme_facts import beds, facts, finer, grid, grid_rises, grid_says, grid_ways
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
+from runs.readme_next import held_out, next_experiments, next_kinds
 from runs.readme_paper import statements_by_verdict
 from runs.readme_particles import (
     cohesion,
     packings,
-    rule,
     shape,
     shape_says,
-    thin_layers,
     validation,
 )
 from runs.readme_reports import (
@@ -43,7 +43,8 @@ from runs.readme_reports import (
     verification,
 )
 from runs.readme_stamps import made_by
-from runs.readme_walls import walls, walls_say
+from runs.readme_thin_layers import rule, thin_layers
+from runs.readme_walls import mobilised, mobilised_says, walls, walls_say
 
 ROOT = Path(__file__).parents[1]
 COMMAND = "python -m runs.readme"
@@ -55,6 +56,9 @@ PARTS = {
     "verification": verification,
     "example": diagnosis_example,
     "blind": blind_scores,
+    "blind-next": next_experiments,
+    "blind-next-kinds": next_kinds,
+    "blind-held-out": held_out,
     "cost": cost_of_cases,
     "cost-shares": cost_shares,
     "cost-sweeps": cost_of_sweeps,
@@ -64,19 +68,27 @@ PARTS = {
     "acceptance-grid": refinement,
     "acceptance-grid-says": refinement_says,
     "acceptance-random": random_cases,
+    "convergence": convergence,
+    "convergence-says": convergence_says,
+    "convergence-axes": axes,
     "bars": bars,
     "bars-say": bars_say,
     "steady-front": steady_front,
+    "steady-front-says": steady_front_says,
     "facts": facts,
     "facts-finer": finer,
     "facts-beds": beds,
     "facts-grid": grid,
     "facts-grid-says": grid_says,
+    "facts-grid-rises": grid_rises,
+    "facts-grid-ways": grid_ways,
     "particles-validation": validation,
     "particles-thin-layers": thin_layers,
     "particles-rule": rule,
     "particles-walls": walls,
     "particles-walls-say": walls_say,
+    "particles-mobilised": mobilised,
+    "particles-mobilised-says": mobilised_says,
     "particles-shape": shape,
     "particles-shape-says": shape_says,
     "particles-cohesion": cohesion,

@@ -1,5 +1,6 @@
 """Tables of the cost of runs for the README files, from the stored reports of the benchmark."""
 
+from runs.readme_stamps import solver_line
 from runs.readme_tables import stored, table
 
 TERMS = (
@@ -103,4 +104,4 @@ def cost_of_effects():
     return table(
         ("effect", "cost factor"),
         [(f"`{row['name']}`", f"{row['cost_factor']:.2f}") for row in rows[1:]],
-    )
+    ) + solver_line("bench/effects.json")

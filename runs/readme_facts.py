@@ -1,9 +1,10 @@
 """Tables of the printed facts, the beds and the grids of the paper's channel, for the README of that study."""
 
 import math
+from itertools import pairwise
 
 from runs.paper_facts.sets import LENGTHS, NEAREST_SETS, WIDTH
-from runs.paper_facts.study import BED_SLOPES, GRIDS
+from runs.paper_facts.study import BED_SLOPES, GRIDS, WAY_GRIDS, WAYS
 from runs.readme_stamps import solver_line
 from runs.readme_tables import bullets, change, rounded, signed, table
 from runs.table import RUNS, read_table
@@ -45,6 +46,11 @@ BEDS = {  # words in the table: words here
     "Coulomb, thin_layer": "Coulomb, `thin_layer`",
     "no slip": "no slip",
     "rough: no slip, thin_layer": "rough: no slip, `thin_layer`",
+}
+WAY_WORDS = {  # of `WAYS`: words here
+    "tolerance 1e-4": "sweeps to 1e-4 in place of 1e-3",
+    "no film rule": "without the film rule",
+    "0.44, 0.69": "0.44, 0.69, which comes to rest",
 }
 ASKED = (((6, 3), 2.5), ((3, 2), 0.7))  # cells in mm from, to: change of a runout, %
 READ = {"runout_10mm": "10 mm", "runout_5mm": "5 mm", "runout_1mm": "1 mm", "x_99": "x₉₉"}
@@ -194,6 +200,36 @@ def grid_says():
         f"{between(reference['dx6mm'], reference['dx3mm'], named)}."
     )
     return bullets(lines)
+
+
+def grid_ways():
+    """The same runs in other ways, and how far each moves from 3 to 2 mm cells."""
+    rows = rows_by_name("grid.csv")
+    ways = {"as above": "", **{words: f"; {words}" for words in WAYS}}
+    lines = []
+    for words, end in ways.items():
+        of = [rows[f"{ROUGH}; {1e3 * size:g} mm{end}"] for size in WAY_GRIDS]
+        values = (", ".join(rounded(row[name], 3) for row in of) for name in READ)
+        moved = ", ".join(signed(change(of[-2][name], of[-1][name]), 2) for name in READ)
+        still = ", ".join(rounded(row["gain_1mm_after_1.76s"], 0, 1000) for row in of)
+        lines.append((WAY_WORDS.get(words, words), *values, f"{moved} %", f"{still} mm"))
+    heading = ("way", *READ.values(), "from 3 to 2 mm", "gain of the 1 mm front after 1.76 s")
+    return table(heading, lines) + made("grid.csv")
+
+
+def grid_rises():
+    """How the 1 mm front moves from grid to grid: no order, and the change over the whole range."""
+    rows = rows_by_name("grid.csv")
+    of = [rows[f"{ROUGH}; {size} mm"] for size in (6, 4, 3, 2)]
+    steps = [1000.0 * (float(b["runout_1mm"]) - float(a["runout_1mm"])) for a, b in pairwise(of)]
+    told = ", ".join(signed(step, 1) for step in steps)
+    return bullets(
+        [
+            f"The 1 mm front moves by {told} mm from 6 to 4, 4 to 3, 3 to 2 mm. "
+            "It has no order on these grids, and it turns at 6 mm, which makes the change from 6 to 3 mm small.",
+            f"From 6 to 2 mm cells: {between(of[0], of[-1], READ)}.",
+        ]
+    )
 
 
 def between(coarse, fine, names):

@@ -1,15 +1,5 @@
 """Tables of the particle laboratory for its README: the baseline, thin layers, shape and volume, closures."""
 
-from runs.particle_laboratory.thin_layers import (
-    FROM_CHUTE,
-    FRONT_ASKED,
-    FRONT_LIMIT,
-    LENGTHS,
-    TEACHER,
-    THICKNESS_ASKED,
-    THICKNESS_LIMIT,
-    VARIANTS,
-)
 from runs.readme_stamps import solver_line
 from runs.readme_tables import bullets, rounded, signed, span, table
 from runs.table import RUNS, read_table
@@ -17,20 +7,26 @@ from runs.table import RUNS, read_table
 FOLDER = "particle_laboratory"
 MM = 1000
 MISSING = "–"
-MORE = {"b03": ", frictionless walls"}  # what a reference has beside its slope
-NOTES = {f"thickness, L = {FROM_CHUTE:g} d": ", of the chute"}
 SYMBOLS = {"kappa_0": "κ₀", ", looser": " and 0.044 looser"}
 SHAPES = (  # variants of shape.csv that are shown
     "without",
     "thin_layer 2.31 d",
-    "dilatancy, K = 2",
+    "thin_layer 4 d",
     "dilatancy, K = 4",
-    "hysteresis 0.06",
-    "back wall: no slip",
     "thin_layer, dilatancy K = 4",
-    "thin_layer, dilatancy K = 4, hysteresis 0.06",
+    "thin_layer 4 d, dilatancy K = 4",
 )
-SHAPED = {"control_10deg": "10°", "control_16deg": "16°", "b09": "16°, `b09`"}
+LEVEL = "b01"  # of SHAPED, at 0 deg
+SHAPED = {
+    LEVEL: "0°, `b01`",
+    "control_10deg": "10°",
+    "control_16deg": "16°",
+    "b03": "16°, frictionless walls, `b03`",
+    "b09": "16°, `b09`",
+    "b02": "22°, `b02`",
+    "b06": "22°, `b06`",
+}
+STEEPER = tuple(name for name in SHAPED if name != LEVEL)
 COHESIVE = {"b10": "16°, cohesive, `b10`"}
 PACKED = {
     "b11": "16°, dense, `b11`",
@@ -50,9 +46,9 @@ def rows_of(name):
     return read_table(RUNS / FOLDER / name)
 
 
-def made(name):
-    """The line that names the solver of a table of the study."""
-    return solver_line(f"{FOLDER}/{name}")
+def made(*names):
+    """The line that names the solver of tables of the study."""
+    return solver_line(*(f"{FOLDER}/{name}" for name in names))
 
 
 # -- the baseline --------------------------------------------------------------------------------
@@ -73,85 +69,6 @@ def validation():
     ]
     heading = ("control", "cells", "front at rest, grains", "model", "model less grains")
     return table((*heading, "final thickness, rms"), lines) + made("validation.csv")
-
-
-# -- thin layers ---------------------------------------------------------------------------------
-
-
-def by_size(rows):
-    """{cell size: its rows}, the coarser first."""
-    found = {}
-    for row in rows:
-        found.setdefault(row["cell_size"], []).append(row)
-    return found
-
-
-def thin_layers():
-    """Every reference with every length of thin layers, a table for each cell size."""
-    text = ""
-    for size, rows in by_size(rows_of("thin_layers.csv")).items():
-        cells = {(row["experiment"], row["variant"]): both(row) for row in rows}
-        slopes = {row["experiment"]: row["slope_deg"] for row in rows}
-        lines = [
-            (f"`{name}`, {slope}°{MORE.get(name, '')}", *(cells[name, of] for of in VARIANTS))
-            for name, slope in slopes.items()
-        ]
-        heading = ("reference", *(of.removeprefix("thickness, ") for of in VARIANTS))
-        text += f"{rounded(size, scale=MM)} mm cells:\n\n{table(heading, lines)}\n"
-    return text.removesuffix("\n") + made("thin_layers.csv")
-
-
-def both(row, digits=0):
-    """Front at rest less measured and final thickness of a row, mm."""
-    front = signed(row["front_difference"], digits, MM)
-    return f"{front}, {rounded(row['final_thickness_rms'], 1, MM)}"
-
-
-def chosen(rows):
-    """The variant that the rule chooses, None if no length passes."""
-    teaching = {row["variant"]: row for row in rows if row["experiment"] == TEACHER}
-    for length in LENGTHS:
-        variant = f"thickness, L = {length:g} d"
-        if within(teaching[variant], FRONT_LIMIT, THICKNESS_LIMIT):
-            return variant
-    return None
-
-
-def within(row, front, thickness):
-    """Whether a row lies within limits of the front at rest and of the final thickness, m."""
-    return (
-        abs(float(row["front_difference"])) <= front
-        and float(row["final_thickness_rms"]) <= thickness
-    )
-
-
-def rule():
-    """All lengths on each cell size: the control of the rule, what it chooses, and the reach over all references."""
-    lines = []
-    for size, rows in by_size(rows_of("thin_layers.csv")).items():
-        picked = chosen(rows)
-        for variant in (of for of in VARIANTS if not of.startswith("nonlocal")):
-            of = [row for row in rows if row["variant"] == variant]
-            taught = next(f"{both(row, 1)} rms" for row in of if row["experiment"] == TEACHER)
-            words = variant.removeprefix("thickness, ") + NOTES.get(variant, "")
-            choice = ": chosen" if variant == picked else ""
-            lines.append((f"{rounded(size, scale=MM)} mm", words, taught + choice, *reach(of)))
-    asked = f"{rounded(FRONT_ASKED, scale=MM)} mm and {rounded(THICKNESS_ASKED, 1, MM)} mm rms"
-    heading = ("cells", "`thin_layer`", "the 10° control (mm)", "front at rest, all references")
-    heading = (*heading, "final thickness, rms", f"within {asked}")
-    return table(heading, lines) + made("thin_layers.csv")
-
-
-def reach(rows):
-    """Range of fronts and of thicknesses, and the number of references within what was asked."""
-    fronts = [float(row["front_difference"]) for row in rows]
-    heights = [float(row["final_thickness_rms"]) for row in rows]
-    met = sum(within(row, FRONT_ASKED, THICKNESS_ASKED) for row in rows)
-    return (
-        f"{span(fronts, lambda value: signed(value, 1, MM))} mm",
-        f"{span(heights, lambda value: rounded(value, 1, MM))} mm",
-        f"{met} of {len(rows)}",
-    )
 
 
 # -- shape and volume ----------------------------------------------------------------------------
@@ -211,31 +128,47 @@ def named(variant):
 def shape_says():
     """What each effect does to front, shape and volume, read off the table."""
     rows = {(row["experiment"], row["variant"]): row for row in rows_of("shape.csv")}
-    thin, *dilating = "thin_layer 2.31 d", "dilatancy, K = 2", "dilatancy, K = 4"
+    chute, longer, *dilating = SHAPES[1], SHAPES[2], "dilatancy, K = 2", "dilatancy, K = 4"
     walls = ("back wall: 0", "back wall: 1", "back wall: no slip")
     settled = ("hysteresis 0.03", "hysteresis 0.06")
     swollen = [rows[name, of] for name in SHAPED for of in dilating]
     excess = [float(row["volume_model"]) / float(row["volume_grains"]) - 1.0 for row in swollen]
-    last = span([float(row["volume_model_end"]) for row in swollen], lambda of: rounded(of, 1))
     back, middle = "at_back_wall", "before_middle"
     return bullets(
         [
-            f"`thin_layer` (2.31 d) closes {closed(rows, thin, back)} of the gap at the back wall and "
-            f"{closed(rows, thin, middle)} of that in front of the middle.",
-            f"Dilatancy alone closes {closed(rows, dilating[0], back)} (K = 2) and "
-            f"{closed(rows, dilating[1], back)} (K = 4) of the gap at the back wall. It widens that in front of the "
-            "middle.",
+            f"The gap without any effect is {left(rows, 'without', back)} mm at the back wall and "
+            f"{left(rows, 'without', middle)} mm in front of the middle; the smallest is that at 0°.",
+            f"`thin_layer` with 2.31 d closes {closed(rows, chute, back)} of it at the back wall and "
+            f"{closed(rows, chute, middle)} in front of the middle, most at 22°. It leaves "
+            f"{left(rows, chute, back)} mm and {left(rows, chute, middle)} mm.",
+            f"With 4 d it closes {closed(rows, longer, back)} and {closed(rows, longer, middle)}, and leaves "
+            f"{left(rows, longer, back)} mm and {left(rows, longer, middle)} mm.",
+            f"Dilatancy alone closes {closed(rows, dilating[0], back, STEEPER)} (K = 2) and "
+            f"{closed(rows, dilating[1], back, STEEPER)} (K = 4) of the gap at the back wall from 10° on, and "
+            f"{closed(rows, dilating[0], back, (LEVEL,))} and {closed(rows, dilating[1], back, (LEVEL,))} at 0°. It "
+            "widens that in front of the middle.",
             f"Dilatancy gives a largest volume that is {shares(excess)} too large. It lengthens the front by "
-            f"{span(moved(rows, dilating), rounded)} mm. At the end {last} % of volume remain.",
+            f"{span(moved(rows, dilating), rounded)} mm. At the end {ends(swollen, 'model')} % of volume remain, of "
+            f"that of the grains {ends(swollen, 'grains')} %.",
             f"Back walls from frictionless to no slip move the front by {greatest(moved(rows, walls))} mm at most, "
             f"hysteresis by {greatest(moved(rows, settled))} mm.",
         ]
     )
 
 
-def closed(rows, variant, column):
+def left(rows, variant, column):
+    """Range of what a variant leaves of a gap, mm."""
+    return span([float(rows[name, variant][column]) for name in SHAPED], lambda of: signed(of, 1))
+
+
+def ends(rows, of):
+    """Range of the last change of the volume, %."""
+    return span([float(row[f"volume_{of}_end"]) for row in rows], lambda value: rounded(value, 1))
+
+
+def closed(rows, variant, column, names=tuple(SHAPED)):
     """Which share of a gap a variant closes, over the experiments."""
-    gaps = [[float(rows[name, of][column]) for of in (variant, "without")] for name in SHAPED]
+    gaps = [[float(rows[name, of][column]) for of in (variant, "without")] for name in names]
     return shares([1.0 - found / before for found, before in gaps])
 
 

@@ -12,8 +12,10 @@ from runs.table import RUNS, read_table
 TABLE = "particle_laboratory/walls.csv"
 FLAT = "16°, frictionless walls"  # flat walls without friction, less none
 STEEP = "22°"
+MOBILISED = "particle_laboratory/mobilised.csv"
 UNFAIR = "16°"  # less collapses without flat walls: the model has the same runs for both
 FAIR = ("16°, less frictionless walls", "16°, slow gate", STEEP)  # that are compared with the model
+FLAT_OF = {UNFAIR: FAIR[0]}  # the pair whose grains are compared
 SHOWN = ((0.5, ""), (1.0, ""), (1.1, ""), (1.0, "thin_layer"), (1.0, "dilatancy"))  # K_w, added
 
 
@@ -49,6 +51,13 @@ class Pair:
         """mu_w K_w with which the front of the model changes as that of the grains."""
         (row,) = (row for row in self.wanted if row["added"] == added)
         return float(row["mu_w_K_w"])
+
+    def front_at(self, product):
+        """Change of the front of the model with mu_w K_w = `product`, mm; interpolated."""
+        of = sorted(
+            (float(row["mu_w_K_w"]), float(row["front"])) for row in self.runs if not row["added"]
+        )
+        return float(np.interp(product, *zip((0.0, 0.0), *of, strict=True)))
 
     def needed_for(self, front, added=""):
         """mu_w K_w for another change of the front, mm; interpolated."""
@@ -195,3 +204,73 @@ def differs(pair, added):
 def shorter(front):
     """A change of the front that shortens it, mm, without its sign."""
     return rounded(-float(front))
+
+
+# -- what the walls of the model mobilise --------------------------------------------------------
+
+
+def mobilised():
+    """Mean friction of the walls, of grains and model, and the model with the mean of the grains."""
+    lines = [
+        (
+            words,
+            rounded(row["grains"], 2),
+            *(rounded(mean, 2) for mean in row["means"].values()),
+            rounded(row["alike"], 2),
+            f"{signed(row['front'])} mm",
+            f"{signed(row['front_grains'])} mm",
+        )
+        for words, row in alike().items()
+    ]
+    heading = (
+        "collapse",
+        "grains, mean",
+        "model, mean, µ_w = that of the grains",
+        f"µ_w = {SLIDING:g}",
+        "µ_w for the mean of the grains",
+        "front with it",
+        "front, grains",
+    )
+    return table(heading, lines) + solver_line(MOBILISED, TABLE)
+
+
+def alike():
+    """{words: means of the model by mu_w, mu_w for the mean of the grains, changes of the front with it, mm}."""
+    found, runs = pairs(), {}
+    for row in read_table(RUNS / MOBILISED):
+        runs.setdefault(row["pair"], []).append(row)
+    rows = {}
+    for words, of in runs.items():
+        means = {float(row["mu_wall"]): float(row["whole_run"]) for row in of}
+        grains = float(of[0]["grains"])
+        mu_wall = float(np.interp(grains, [0.0, *means.values()], [0.0, *means]))
+        compared_with = FLAT_OF.get(words, words)
+        rows[words] = {
+            "grains": grains,
+            "means": means,
+            "alike": mu_wall,
+            "front": found[words].front_at(mu_wall),
+            "front_grains": float(found[compared_with].grains["front"]),
+        }
+    return rows
+
+
+def mobilised_says():
+    """What the walls of the model mobilise says of the missing friction."""
+    rows = alike()
+    steeper = {words: row for words, row in rows.items() if words != "0°"}
+    sliding = span([row["means"][SLIDING] for row in rows.values()], lambda of: rounded(of, 2))
+    grains = span([row["grains"] for row in rows.values()], lambda of: rounded(of, 2))
+    more = span([row["alike"] for row in steeper.values()], lambda of: rounded(of, 2))
+    given = [row["front"] / row["front_grains"] for row in steeper.values()]
+    flat = float(pairs()[FLAT].grains["front"])
+    left = rows[STEEP]["front"] / (rows[STEEP]["front_grains"] - flat)
+    return bullets(
+        [
+            f"**Walls on which grains slide with {SLIDING:g}** mobilise {sliding} on average in the model, {grains} in "
+            "the grains.",
+            f"**With the same mean as the grains** µ_w is {more} at 16 and 22°, and the model shortens the fronts by "
+            f"{span(given, lambda of: rounded(of, 0, 100))} % of what the grains do; at 22° by {rounded(left, 0, 100)} "
+            "% if flat walls take there what they take at 16°.",
+        ]
+    )

@@ -94,6 +94,7 @@ PAPER = (
     "runs/paper/rough*/*/scalars.csv",
     "runs/paper/rough*/*/curves.csv",
 )
+SEARCHED = ("runs/paper/slow_phase/*.csv", "runs/paper/volume/*.csv")  # for figures, no statement
 COMPARED = tuple(
     f"runs/comparison/{part}{kind}.csv"
     for part in ("columns", "volume_of_fluid", "channel", "plane")
@@ -119,7 +120,7 @@ PAPER_PARTS = {  # part: CPU s
     "rough_thin_layer/older_closure": 130.0,
     "rough_thin_layer/double_counting": 90.0,
     "rough_thin_layer/back_wall": 45.0,
-    "finer": 1200.0,
+    "finer": 2900.0,
 }
 
 
@@ -134,11 +135,26 @@ def paper(part, cpu_s):
 
 
 TASKS = (
-    study("comparison", "bars", ("bars.csv",), ("thin_layer",), 60.0, ""),
+    study("comparison", "bars", ("bars.csv", "bars_profiles.csv"), ("thin_layer",), 60.0, ""),
+    figures(
+        "aluminium_bars",
+        "aluminium_bars",
+        ("aluminium_bars.*",),
+        ("runs/comparison/bars.csv", "runs/comparison/bars_profiles.csv"),
+    ),
     study("paper_facts", "grid", ("grid.csv",), THIN, 300.0),
     study(LABORATORY, "thin_layers", ("thin_layers.csv",), ("thin_layer",), 350.0, "dem"),
+    study(
+        LABORATORY,
+        "thin_layers_finer",
+        ("thin_layers_finer.csv",),
+        ("thin_layer",),
+        300.0,
+        "dem",
+    ),
     study(LABORATORY, "walls", ("walls.csv",), None, 120.0, "dem"),
-    study(LABORATORY, "shape", ("shape.csv",), None, 60.0, "dem"),
+    study(LABORATORY, "mobilised", ("mobilised.csv",), ("lateral_friction", "gate"), 60.0, "dem"),
+    study(LABORATORY, "shape", ("shape.csv",), None, 180.0, "dem"),
     study(LABORATORY, "closures", ("closures.csv",), None, 120.0, "dem"),
     study(LABORATORY, "validation", ("validation.csv", "curves.csv"), (), 60.0, "dem"),
     figures(
@@ -157,9 +173,16 @@ TASKS = (
         ("runs/acceptance/matrix.csv", "runs/acceptance/grid.csv"),
     ),
     *(paper(part, cpu_s) for part, cpu_s in PAPER_PARTS.items()),
-    study("paper", "slow_phase", ("slow_phase/phases.csv",), None, 1633.0),
+    study("paper", "slow_phase", ("slow_phase/phases.csv", "slow_phase/speeds.csv"), None, 1633.0),
+    study(
+        "paper",
+        "volume",
+        ("volume/runs.csv", "volume/seen.csv", "volume/changes.csv"),
+        ("lateral_friction", "dilatancy", "transverse_profile"),
+        1350.0,
+    ),
     Task("paper statements", ("runs.paper.statements",), STATEMENTS, (), 5.0, PAPER),
-    figures("paper", "paper", ("paper_*",), (*PAPER, *STATEMENTS), 60.0),
+    figures("paper", "paper", ("paper_*",), (*PAPER, *SEARCHED, *STATEMENTS), 60.0),
     study("paper_facts", "facts", ("facts.csv", "facts_sets.csv"), None, 840.0),
     study("paper_facts", "finer", ("finer.csv", "finer_sets.csv"), None, 120.0),
     study("paper_facts", "beds", ("beds.csv",), THIN, 300.0),

@@ -86,9 +86,8 @@ def checkpoint_often():
     """Let this process write a checkpoint every 0.3 s."""
     from fvcollapse.output import keeper
     from fvcollapse.output import run as output
-    from fvcollapse.studies import members
 
-    members.run_case = partial(output.run_case, checkpoint_interval=0.3)
+    output.run_case = partial(output.run_case, checkpoint_interval=0.3)
     output.CHECKPOINT_INTERVAL = 0.3
     keeper.SAVING_SHARE = 1.0
 

@@ -7,12 +7,17 @@ takes minutes, or quicker tests guard the same. A block of `toml` names the file
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+import pytest
+
+from fvcollapse.__main__ import main
 
 ROOT = Path(__file__).parents[1]
 SLOW = "<!-- slow -->"
@@ -87,6 +92,27 @@ def activated(environment, folder):
     if not programs.is_dir() or environment["PATH"].startswith(str(programs)):
         return environment
     return environment | {"PATH": f"{programs}{os.pathsep}{environment['PATH']}"}
+
+
+def can_run_inside(blocks):
+    """Whether all commands are calls of `fvcollapse` without anything of a shell."""
+    lines = [line for block in blocks if block.language == "sh" for line in block.code.splitlines()]
+    return all(line.startswith("fvcollapse ") and not set(line) & set("&|<>;$*") for line in lines)
+
+
+def run_blocks_inside(blocks, folder, environment):
+    """The same by this process, which has loaded the package already; see `can_run_inside`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setenv("FVCOLLAPSE_CACHE", environment["FVCOLLAPSE_CACHE"])
+        for block in blocks:
+            if block.language == "python":
+                exec(compile(block.code, "<README>", "exec"), {"__name__": "__main__"})
+            elif block.language in EXECUTED:
+                for line in block.code.splitlines():
+                    assert main(shlex.split(line, comments=True)[1:]) == 0, line
+            else:
+                run_blocks([block], folder, environment)
 
 
 def run_blocks(blocks, folder, environment):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, stopped
 
+import fvcollapse
 from fvcollapse import observe, open_result
 from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, NumericalError
@@ -160,7 +161,7 @@ def test_only_the_extract_stays(started, tmp_path):
 
 def test_second_request_runs_nothing(started, tmp_path):
     first = RunCache(tmp_path).run(CASE)
-    again = RunCache(tmp_path).run(CASE.replace(**{"time.output_interval": 0.05}))
+    again = fvcollapse.RunCache(str(tmp_path)).run(CASE.replace(**{"time.output_interval": 0.05}))
     assert len(started) == 1
     np.testing.assert_array_equal(first.runout, again.runout)
 

@@ -1,14 +1,18 @@
 """The command line itself: help without arguments, the nearest name, lists, the cache of runs."""
 
 import os
+import re
 
 import pytest
 
 import fvcollapse
 from fvcollapse.__main__ import main
+from fvcollapse.errors import InputError
+from fvcollapse.studies import bench
 from fvcollapse.studies.cache import EXTRACT, RunCache, cache_key
 from fvcollapse.studies.cache_size import cache_size, prune
-from fvcollapse.verification import problem_names
+from fvcollapse.verification.names import CPU_TIME, NAMES
+from fvcollapse.verification.problems.all import PROBLEMS
 
 COARSE = {"grid.cell_size": 0.035, "time.end": 0.02}
 
@@ -46,10 +50,53 @@ def test_a_word_like_no_other_gets_no_proposal(capsys):
     assert "did you mean" not in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["run"], ["plot"], ["sweep"], ["diagnose"], ["blind", "make"]])
+def test_a_command_without_its_arguments_shows_its_help(words, capsys):
+    assert main(words) == 2
+    printed, told = capsys.readouterr()
+    assert printed.startswith(" ".join(["usage: fvcollapse", *words]))
+    assert told.count("\n") == 1
+    assert "are required" in told
+
+
+def test_an_option_that_is_given_already_is_not_proposed(capsys):
+    given = ["blind", "make", "--cases", "1", "--out", "x"]
+    assert main([*given, "--outt", "y"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+    assert main(["blind", "make", "--out", "x", "--nope"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+    repeated = ["run", "case.toml", "--set", "time.end=1", "--sett", "time.end=2"]
+    assert main(repeated) == 2
+    assert "did you mean --set?" in capsys.readouterr().err
+
+
+def test_verify_says_what_it_will_take(capsys):
+    assert main(["verify", "imposed_bed_stress"]) == 0
+    told = capsys.readouterr().err
+    assert told == f"1 of {len(NAMES)} problems; all take {CPU_TIME}, compilation aside\n"
+
+
+def test_names_of_problems_are_known_without_the_solver():
+    assert list(NAMES) == [problem.name for problem in PROBLEMS]
+
+
+def test_bench_says_what_it_will_take(monkeypatch, capsys):
+    def stop():
+        raise InputError("bench", "stop", "the first measurement", "none")
+
+    monkeypatch.setattr(bench, "compile_times", stop)
+    assert main(["bench", "22deg_w10cm_12mm"]) == 2
+    first, last = capsys.readouterr().err.splitlines()
+    assert re.match(r"1 case, about \d+ s; where nothing is compiled yet", first)
+    assert last.startswith("bench: stop")
+    whole = bench.cost(bench.cases(), all_of_them=True)
+    assert re.match(r"12 cases, about \d+ min;", whole)
+
+
 def test_verify_lists_its_problems(capsys):
     assert main(["verify", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == problem_names()
+    assert [line.split()[0] for line in lines] == list(NAMES)
     assert all(len(line.split()) > 1 for line in lines)
 
 

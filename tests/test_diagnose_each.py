@@ -73,9 +73,12 @@ def test_a_dry_diagnosis_counts_its_runs(tmp_path, capsys):
     out, cache = tmp_path / "out", tmp_path / "cache"
     words = ["diagnose", FILM, "--effects", "cohesion", "--out", str(out), "--cache", str(cache)]
     assert main([*words, "--dry-run"]) == 0
-    told = re.match(
-        r"(\d+) runs, about \d+ s on 2 cores, .* up to (\d+) more", capsys.readouterr().out
-    )
+    printed, warned = capsys.readouterr()
+    told = re.match(r"(\d+) runs, about \d+ s on 2 cores, .* up to (\d+) more", printed)
+    assert "expected: at most" not in warned
+    assert main([*words, "--cell-size", "0.02", "--dry-run"]) == 0
+    assert "--cell-size: found 0.02 m; expected: at most" in capsys.readouterr().err
+    assert not out.exists()
     assert int(told[1]) >= 2 + 20 + 3  # two grids, the ensemble, levels of the effect
     assert int(told[2]) > 0
     assert not out.exists()

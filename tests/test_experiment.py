@@ -16,6 +16,7 @@ from fvcollapse.errors import CaseError, InputError
 from fvcollapse.measure.align import align, on_points
 from fvcollapse.measure.experiment import read_settings, strip_truth
 from fvcollapse.measure.experiment_keys import CASE_KEYS, Settings
+from fvcollapse.measure.experiment_template import experiment_template
 from fvcollapse.measure.uncertainty import DEFAULTS
 from fvcollapse.output import run as output
 
@@ -302,6 +303,25 @@ def test_a_folder_of_experiments_names_what_is_inside(tmp_path):
     for name in ("beads", "sand"):
         write_experiment(tmp_path / name)
     with pytest.raises(
-        InputError, match="no experiment.toml, but experiments in it; allowed: beads, sand"
+        InputError, match="no experiment.toml, but experiments in it; allowed: beads, sand$"
     ):
         load_experiment(tmp_path)
+
+
+def test_a_folder_of_groups_of_experiments_names_the_groups(tmp_path):
+    for name in ("lab/beads", "lab/sand", "tall/column"):
+        write_experiment(tmp_path / name)
+    with pytest.raises(InputError) as refused:
+        load_experiment(tmp_path)
+    assert refused.value.allowed == "lab/ (2 in it), tall/ (1 in it)"
+    write_experiment(tmp_path / "steps")
+    with pytest.raises(InputError) as refused:
+        load_experiment(tmp_path)
+    assert refused.value.allowed == "steps; lab/ (2 in it), tall/ (1 in it)"
+
+
+def test_a_template_names_all_keys_that_are_missing(tmp_path):
+    (tmp_path / "experiment.toml").write_text(experiment_template(), encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        load_experiment(tmp_path)
+    assert refused.value.key == "geometry.slope_angle_deg, geometry.height_0, geometry.length_0"

@@ -281,6 +281,24 @@ def test_a_digest_is_kept_for_the_bytes_of_all_files(tmp_path):
         assert known() == known() == f"digest {count + 1}"
 
 
+def test_a_digest_of_files_that_change_meanwhile_is_not_kept(tmp_path):
+    """Else the files as they were before, put back, would have the digest of the others."""
+    file = tmp_path / "rates.py"
+    file.write_text("a = 1\n")
+
+    def find():
+        file.write_text("a = 2\n")
+        return "digest of 2"
+
+    bytes_digest.cache_clear()
+    assert known_digest(tmp_path, "", find) == "digest of 2"
+    file.write_text("a = 1\n")
+    bytes_digest.cache_clear()
+    assert known_digest(tmp_path, "", lambda: "digest of 1") == "digest of 1"
+    bytes_digest.cache_clear()
+    assert known_digest(tmp_path, "", lambda: "found again") == "digest of 1"
+
+
 def test_a_digest_is_found_each_time_where_nothing_can_be_kept(tmp_path):
     (tmp_path / "__pycache__").touch()  # no folder
     assert [known_digest(tmp_path, "", lambda n=n: f"digest {n}") for n in (1, 2)] == [

@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +11,7 @@ from fvcollapse.__main__ import main
 from fvcollapse.case.case import Case
 from fvcollapse.errors import LimitReached, NumericalError
 from fvcollapse.output import run as output
+from fvcollapse.output import trust
 from fvcollapse.output.recorder import Landing, Recorder
 from fvcollapse.output.trust import Trust, trust_of
 from fvcollapse.simulation import Simulation
@@ -258,6 +260,25 @@ def test_a_step_that_would_never_end_names_what_asks_for_it(speed):
 )
 def test_what_makes_a_result_to_be_trusted(status, drift, capped, expected):
     assert str(trust_of(status, [0.0, drift, 0.0], 0.07, capped, 100, Case())) == expected
+
+
+def test_the_readme_has_the_limits_of_trust():
+    text = Path("fvcollapse/output/README.md").read_text(encoding="utf-8")
+    table = [line for line in text.split("## Trust")[1].splitlines() if line.startswith("| ")]
+    rows = {cells[1].strip(): cells[2:4] for cells in (line.split("|") for line in table)}
+    stated = {
+        name: [float(word) for cell in cells for word in re.findall(r"above ([\d.]+) %", cell)]
+        for name, cells in rows.items()
+    }
+    limits = {
+        "largest drift": (trust.VOLUME_LOOK, trust.VOLUME_USELESS),
+        "sum of the corrections": (trust.CORRECTED_LOOK, trust.CORRECTED_USELESS),
+        "share of capped steps": (trust.CAPPED_LOOK,),
+    }
+    for name, values in limits.items():
+        (found,) = (of for row, of in stated.items() if row.startswith(name))
+        assert found == pytest.approx([100.0 * value for value in values])
+    assert rows["energy lost to the discretisation"][0].strip() == "not judged"
 
 
 def test_grains_that_dilate_within_their_law_are_trusted():

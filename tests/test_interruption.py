@@ -33,7 +33,9 @@ sys.exit(main(["keys"]))
 """
 
 
-@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)]
+)
 def test_study_with_an_idle_worker_saves_and_ends(tmp_path, number):
     """The idle worker must not take with it what the busy one waits for."""
     study, mark = start("-c", STUDY, tmp_path)

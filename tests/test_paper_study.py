@@ -229,7 +229,7 @@ def test_viscosity_of_equation_6():
     ],
 )
 def test_verdict_on_a_clause(value, error, sense, limit, verdict):
-    assert Clause("", Measured(value, error), sense, limit).verdict == verdict
+    assert Clause("", Measured(value, error), sense, limit, of_paper=True).verdict == verdict
 
 
 def test_verdict_on_a_statement():

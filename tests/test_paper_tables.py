@@ -164,12 +164,13 @@ def test_finer_grids_are_runs_of_their_own():
 # -- readings ------------------------------------------------------------------------------------
 
 
-def claim_of(value, needed=0.5, error=0.1, front=True):
+def claim_of(value, needed=0.5, error=0.1, front=True, of_paper=True):
     """A claim that reads its value, by front and bed, off a dictionary instead of tables."""
 
     def measure(of):
         at = value[of.folder.name, of.front_mm] if isinstance(value, dict) else value
-        return [Clause("", Measured(at, error, frozenset({"muI_a22_w10"})), "above", needed)]
+        measured = Measured(at, error, frozenset({"muI_a22_w10"}))
+        return [Clause("", measured, "above", needed, of_paper=of_paper)]
 
     return Claim("3", "said", "criterion", measure, front)
 
@@ -209,6 +210,19 @@ def test_verdict_under_all_readings(two_beds, tmp_path, slides, rough, verdict):
     assert (found.contrary() is None) == (verdict not in (settled.ON_BED, settled.ON_FRONT))
 
 
+@pytest.mark.parametrize(
+    ("rough", "verdict"), [(0.45, OPEN), (0.7, CONFIRMED), (0.3, settled.ON_BED)]
+)
+def test_a_reading_that_contradicts_with_our_limit_alone_leaves_a_statement_open(
+    two_beds, tmp_path, rough, verdict
+):
+    """The limit is 0.5, and 0.375 or 0.625 to another reader."""
+    values = by_reading(tmp_path.name, (1.0, 1.0, 1.0), (rough, 1.0, 1.0))
+    claim = claim_of(values, error=0.01, of_paper=False)
+    (found,) = settled.settle([claim], two_beds)
+    assert found.verdict == verdict
+
+
 def test_a_claim_without_front_has_one_reading_a_bed(two_beds, tmp_path):
     claim = claim_of(by_reading(tmp_path.name, (1.0, 0, 0), (0.0, 0, 0)), front=False)
     (found,) = settled.settle([claim], two_beds)
@@ -227,7 +241,11 @@ def test_finer_grids_are_asked_for_where_they_decide(two_beds):
     assert asked(0.55, 0.01) == []  # decided
     assert asked(0.501, 0.1) == []  # on its limit
     assert asked(0.55, math.nan) == []
-    assert shortage(Clause("", Measured(0.55, 0.1), "above", 0.5)) == pytest.approx(2.0)
+    clause = Clause("", Measured(0.55, 0.1), "above", 0.5, of_paper=True)
+    assert shortage(clause) == pytest.approx(2.0)
+    assert shortage(clause._replace(of_paper=False)) == math.inf  # no grid moves it off the limits
+    far = clause._replace(measured=Measured(0.7, 0.1), of_paper=False)
+    assert shortage(far) == pytest.approx(0.1 / 0.075)
 
 
 # -- the command ---------------------------------------------------------------------------------

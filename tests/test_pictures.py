@@ -15,6 +15,7 @@ from fake_simulation import FakeSimulation
 from PIL import Image
 
 from fvcollapse import open_result
+from fvcollapse.__main__ import main
 from fvcollapse.case.case import Case
 from fvcollapse.draw import animation, captions, drawing, figures, grains, look, pictures
 from fvcollapse.errors import InputError, OutputError
@@ -126,17 +127,16 @@ def test_pictures_in_other_formats(folder, tmp_path, kind):
     """Those of PDF are the same each time; SVG numbers its parts at random."""
     chosen = look.Look(format=kind, animation="none", fields=("viscosity",), dpi=60)
 
-    def drawn(name):
-        paths = pictures.draw_all(folder, tmp_path / name, chosen)
-        return {path.name: path.read_bytes() for path in paths}
-
-    first = drawn("a")
+    paths = pictures.draw_all(folder, tmp_path / "made", chosen)
+    first = {path.name: path.read_bytes() for path in paths}
     wanted = {"profiles", "interface", "front", "volume", "viscosity"}
     assert set(first) == {f"{what}.{end}" for what in wanted for end in (kind, "txt")}
     beginning = b"%PDF" if kind == "pdf" else b"<?xml"
     assert all(data.startswith(beginning) for name, data in first.items() if name.endswith(kind))
     if kind == "pdf":
-        assert drawn("b") == first
+        result = open_result(folder)
+        for what in ("front", "viscosity"):
+            assert pictures.picture(result, what, chosen) == first[f"{what}.pdf"]
 
 
 def test_upright_pictures_have_gravity_pointing_down(folder):
@@ -175,6 +175,28 @@ def test_a_front_that_runs_back_is_explained(folder):
     assert "No grain runs back" in text
     words = [text.get_text() for text in figures.draw_front(result).axes[0].texts]
     assert any("thinner than 5 mm" in text for text in words)
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["--fields", "sped"], "field: found sped"),
+        (["--times", "0.1", "99"], "--times: found 99"),
+        (["--times", "-1"], "--times: found -1"),
+        (["--animation", "mp4"], "--animation mp4: found no ffmpeg"),
+    ],
+)
+def test_a_refused_plot_leaves_nothing(folder, tmp_path, monkeypatch, capsys, words, found):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    before = sorted(folder.iterdir())
+    assert main(["plot", str(folder), "--out", str(tmp_path / "drawn"), *words]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert found in told
+    assert main(["plot", str(folder), *words]) == 2
+    assert sorted(folder.iterdir()) == before
+    assert not (tmp_path / "drawn").exists()
 
 
 def test_a_field_that_is_not_there_is_refused(folder, tmp_path):

@@ -13,9 +13,11 @@ from readme_blocks import (
     SHOWN,
     Block,
     blocks_of,
+    can_run_inside,
     checkout,
     fresh_clone,
     run_blocks,
+    run_blocks_inside,
 )
 
 from fvcollapse.commands.command_line import make_parser
@@ -66,10 +68,12 @@ def test_all_fences_are_blocks():
 
 @pytest.mark.parametrize("path", EXECUTABLE, ids=name_of)
 def test_code_runs(path, tmp_path):
+    """In processes of their own those of the first README, and what needs a shell."""
     quick = [block for block in blocks_of(path) if not block.is_slow]
     folder = tmp_path / "checkout"
     if any(block.language in EXECUTED for block in quick):
-        run_blocks(quick, folder, checkout(folder))
+        inside = path != ROOT / "README.md" and can_run_inside(quick)
+        (run_blocks_inside if inside else run_blocks)(quick, folder, checkout(folder))
 
 
 @pytest.mark.slow

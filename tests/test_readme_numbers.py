@@ -2,7 +2,14 @@
 
 import pytest
 
-from runs import readme_acceptance, readme_facts, readme_particles, readme_stamps, readme_walls
+from runs import (
+    readme_acceptance,
+    readme_facts,
+    readme_particles,
+    readme_stamps,
+    readme_thin_layers,
+    readme_walls,
+)
 from runs.readme_tables import change, rounded, signed, span
 from runs.table import write_table
 
@@ -58,7 +65,7 @@ def test_a_table_without_a_valid_stamp_is_of_an_earlier_solver(tmp_path, monkeyp
 # -- particles -----------------------------------------------------------------------------------
 
 
-def layers(front, thickness, variant, experiment=readme_particles.TEACHER):
+def layers(front, thickness, variant, experiment=readme_thin_layers.TEACHER):
     """A row of thin_layers.csv, m."""
     return {
         "experiment": experiment,
@@ -72,22 +79,22 @@ def references(*fronts_and_thicknesses):
     """Rows of the lengths in their order."""
     return [
         layers(*both, f"thickness, L = {length:g} d")
-        for length, both in zip(readme_particles.LENGTHS, fronts_and_thicknesses, strict=True)
+        for length, both in zip(readme_thin_layers.LENGTHS, fronts_and_thicknesses, strict=True)
     ]
 
 
 def test_the_rule_takes_the_least_length_within_both_limits():
     too_far, too_thick = (0.008, 0.004), (0.002, 0.005)
     good = (-0.006, 0.0045)
-    assert readme_particles.chosen(references(too_far, too_thick, good, good, good)) == (
-        f"thickness, L = {readme_particles.LENGTHS[2]:g} d"
+    assert readme_thin_layers.chosen(references(too_far, too_thick, good, good, good)) == (
+        f"thickness, L = {readme_thin_layers.LENGTHS[2]:g} d"
     )
-    assert readme_particles.chosen(references(*[too_far] * 5)) is None
+    assert readme_thin_layers.chosen(references(*[too_far] * 5)) is None
 
 
 def test_references_within_both_limits_are_counted():
     rows = [layers(*both, "without") for both in ((0.015, 0.0045), (-0.02, 0.004), (0.0, 0.005))]
-    assert readme_particles.reach(rows) == ("−20.0 to +15.0 mm", "4.0 to 5.0 mm", "1 of 3")
+    assert readme_thin_layers.reach(rows) == ("−20.0 to +15.0 mm", "4.0 to 5.0 mm", "1 of 3")
 
 
 def test_what_a_variant_closes_of_a_gap():
@@ -114,6 +121,32 @@ def test_the_friction_that_another_change_needs_is_interpolated():
     assert pair.needed() == pytest.approx(0.2667)
     assert pair.needed_for(-70.0) == pytest.approx(0.2)
     assert pair.needed_for(-20.0) == pytest.approx(0.05)
+
+
+def test_the_front_with_the_mean_friction_of_the_grains_is_interpolated(tmp_path, monkeypatch):
+    """Means 0.05 and 0.15 at mu_w = 0.1 and 0.3: that of the grains, 0.1, takes 0.2, half way between the fronts."""
+    walls = [
+        {"pair": name, "of": "grains", "mobilised": "0.1", "front": f"{front}", "added": ""}
+        for name, front in ((readme_walls.STEEP, -90), (readme_walls.FLAT, -10))
+    ]
+    walls += [
+        {"pair": readme_walls.STEEP, "of": "model", "added": "", "mu_w_K_w": of, "front": front}
+        for of, front in (("0.1", "-40"), ("0.3", "-100"))
+    ]
+    means = [
+        {"pair": readme_walls.STEEP, "grains": "0.1", "mu_wall": of, "whole_run": mean}
+        for of, mean in (("0.1", "0.05"), ("0.3", "0.15"))
+    ]
+    write_table(tmp_path / readme_walls.TABLE, walls)
+    write_table(tmp_path / readme_walls.MOBILISED, means)
+    monkeypatch.setattr(readme_walls, "RUNS", tmp_path)
+    monkeypatch.setattr(
+        readme_walls, "PAIRS", dict.fromkeys((readme_walls.STEEP, readme_walls.FLAT))
+    )
+    row = readme_walls.alike()[readme_walls.STEEP]
+    assert row["alike"] == pytest.approx(0.2)
+    assert row["front"] == pytest.approx(-70.0)
+    assert row["front_grains"] == -90.0
 
 
 # -- grids ---------------------------------------------------------------------------------------

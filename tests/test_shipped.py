@@ -135,6 +135,34 @@ def test_the_versions_that_are_stated_are_those_that_are_tested():
     assert PROJECT["requires-python"] == f">=3.{MINORS[0]}"
 
 
+READ = """
+import ast, sys, warnings
+from importlib.util import find_spec
+from pathlib import Path
+warnings.simplefilter("error")
+names = set()
+for path in Path(sys.argv[1]).rglob("*.py"):
+    for node in ast.walk(ast.parse(path.read_text("utf-8"), str(path))):
+        names |= {alias.name for alias in node.names} if isinstance(node, ast.Import) else set()
+        names |= {node.module} if isinstance(node, ast.ImportFrom) and not node.level else set()
+names = {name.partition(".")[0] for name in names} & set(sys.argv[2].split())
+lost = [name for name in sorted(names) if find_spec(name) is None]
+sys.exit(f"no module {lost}" if lost or len(names) < 20 else 0)
+"""
+
+
+@pytest.mark.parametrize("minor", [minor for minor in MINORS if minor != sys.version_info.minor])
+def test_every_python_that_is_stated_reads_the_code(minor):
+    """Its grammar, without a warning, and its standard library: what a newer one has lost is seen here at once."""
+    python = interpreter(minor)
+    if python is None:
+        pytest.skip(f"no Python 3.{minor} here")
+    library = " ".join(sys.stdlib_module_names - {"fcntl", "resource"})
+    call = [python, "-c", READ, str(ROOT / "fvcollapse"), library]
+    done = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("minor", MINORS)
 def test_a_wheel_is_installed_and_runs(minor, wheel, tmp_path):

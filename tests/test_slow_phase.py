@@ -1,12 +1,16 @@
 """The slow phase of a front: what counts as one, on fronts whose speed is known, and the search for it."""
 
+import argparse
 import math
 
 import numpy as np
 import pytest
 
 from runs.paper import slow_front
+from runs.paper import slow_phase as search
 from runs.paper.slow_front import LEAST_TIME, Phase, least_ratio, motion, slow_phase
+from runs.paper.slow_sets import SHOWN, all_sets
+from runs.table import as_line, read_table
 
 CELL = 0.006  # m
 TIME = np.arange(0.0, 3.0, 0.0024)  # s, about the steps of a run
@@ -120,3 +124,21 @@ def test_slopes_are_those_of_all_beginnings():
     for count in (2, 3, 4):
         expected = np.polyfit(x[:count], y[:count], 1)[0]
         assert slow_front.slopes(x, y)[count - 1] == pytest.approx(expected)
+
+
+def test_the_speeds_of_the_figure_are_those_of_the_table(tmp_path, monkeypatch):
+    """The fronts of a run on two grids: their peaks in the curves and in the table of the phases."""
+    sets = {SHOWN[0]: all_sets()[SHOWN[0]] | {"time.end": 0.4}}
+    for name, value in {"all_sets": lambda: sets, "SHOWN": SHOWN[:1], "FINER": (1.0, 1.5)}.items():
+        monkeypatch.setattr(search, name, value)
+    monkeypatch.setattr(search, "FINER_SETS", SHOWN[:1])
+    options = argparse.Namespace(out=tmp_path, tables=tmp_path, cell_size=0.024, workers=1)
+    assert search.search(options) == []
+    phases = {row["name"]: row for row in read_table(tmp_path / "slow_phase" / "phases.csv")}
+    curves = read_table(tmp_path / "slow_phase" / "speeds.csv")
+    assert len(curves) == 2 * len(search.FRONTS)
+    for row in curves:
+        millimetres = row["quantity"].split("_")[1]
+        peak = float(phases[f"{SHOWN[0]}; {row['cell_size_mm']} mm"][f"peak_{millimetres}_m_s"])
+        assert as_line(row).values.max() == pytest.approx(peak, abs=5e-4)
+        assert float(row["refinement"]) * float(row["cell_size_mm"]) == pytest.approx(24.0)

@@ -110,7 +110,17 @@ def test_every_point_has_a_result_and_a_row(case_file, started, capsys):
         assert float(row["rheology.mu_1"]) == case.rheology.mu_1
         assert float(row["runout"]) == result.runout[-1]
         assert row["arrest_time"] == ""  # still moving
-    assert "sweep.csv" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "sweep.csv" in printed
+    heading = printed.splitlines()[0]
+    for column in ("geometry.slope_angle_deg [deg]", "runout [m]", "arrest_time [s]", "trust"):
+        assert column in heading
+    with (case_file.parent / "out" / "sweep_units.csv").open(newline="") as file:
+        units = {row["column"]: row["unit"] for row in csv.DictReader(file)}
+    assert list(units) == list(rows(case_file)[0])
+    assert units["geometry.slope_angle_deg"] == "deg"
+    words = {"point", "status", "problem", "complete", "ended_at_rest", "trust", "trust_reasons"}
+    assert {name for name, unit in units.items() if not unit} <= words
 
 
 def test_finished_points_are_not_run_again_and_further_values_join(case_file, started):

@@ -29,7 +29,7 @@ def uncommented(text, with_effects):
 
 
 def test_a_case_template_is_the_default_case(tmp_path, capsys):
-    path = tmp_path / "case.toml"
+    path = tmp_path / "new" / "folder" / "case.toml"
     assert main(["new", "case", str(path)]) == 0
     assert capsys.readouterr().out == f"{path}\n"
     assert load_case(path) == Case()

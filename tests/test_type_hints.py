@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 import pytest
 from parsed_code import PACKAGE, files_in, tree_of
+from readme_blocks import ROOT, blocks_of
 
 from fvcollapse.effects.template import effect_template
 
@@ -57,9 +58,46 @@ def test_the_package_says_that_it_has_hints():
     assert len(HINTED) > 120
 
 
+READMES = (
+    "README.md",
+    *(f"fvcollapse/{name}/README.md" for name in ("output", "measure", "studies")),
+)
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """Messages of the type checker on the package, and on the Python of the READMEs, a file for each of them.
+
+    What it finds is kept in `.mypy_cache` of the checkout: only what has changed since is checked anew.
+    """
+    folder, files = tmp_path_factory.mktemp("readme"), []
+    for number, name in enumerate(READMES):
+        code = [block.code for block in blocks_of(ROOT / name) if block.language == "python"]
+        assert code, name
+        files.append(folder / f"readme_{number}.py")
+        files[-1].write_text("\n".join(code), encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "fvcollapse", *map(str, files)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    lines = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert bool(lines) == bool(done.returncode)
+    return lines
+
+
 @pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
-def test_the_type_checker_agrees():
-    """What it finds is kept in `.mypy_cache` of the checkout: only what has changed since is checked anew."""
-    command = [sys.executable, "-m", "mypy"]
-    done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_the_type_checker_agrees(checked):
+    assert [line for line in checked if "readme_" not in line] == []
+
+
+@pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
+def test_the_type_checker_agrees_with_the_readmes(checked):
+    assert [line for line in checked if "readme_" in line] == []
+
+
+def test_no_readme_with_python_is_forgotten():
+    with_python = {
+        path.relative_to(ROOT).as_posix()
+        for path in [ROOT / "README.md", *(ROOT / "fvcollapse").rglob("README.md")]
+        if any(block.language == "python" for block in blocks_of(path))
+    }
+    assert with_python == set(READMES)

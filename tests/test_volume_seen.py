@@ -9,7 +9,9 @@ import pytest
 from fvcollapse.case.case import GRAVITY, Case
 from fvcollapse.effects.transverse_profile import view_factor
 from fvcollapse.output.result import Profiles
+from plots import paper_volume_seen
 from runs.paper import volume, volume_seen
+from runs.table import as_line, read_table
 
 X = np.linspace(0.0, 1.0, 1001)  # m
 TIMES = np.array([0.0, 0.1, 0.2])  # s
@@ -25,13 +27,25 @@ def block(length, area=AREA):
 def result_of(heights, **keys):
     """A result with these profiles, one for each time."""
     thickness = np.array(heights)
-    profiles = Profiles(TIMES[: len(thickness)], X, thickness, np.zeros_like(thickness))
-    return SimpleNamespace(profiles=profiles, case=Case().replace(**keys))
+    time = TIMES[: len(thickness)]
+    profiles = Profiles(time, X, thickness, np.zeros_like(thickness))
+    series = {"relative_volume": np.trapezoid(thickness, X, axis=1) / AREA - 1.0}
+    return SimpleNamespace(profiles=profiles, case=Case().replace(**keys), time=time, series=series)
 
 
 def test_a_pile_that_only_moves_keeps_its_area_and_one_that_swells_gains_it():
     found = volume_seen.as_it_is(result_of([block(0.2), block(0.4), block(0.8, 1.1 * AREA)]))
     np.testing.assert_allclose(found, [0.0, 0.0, 0.1], atol=1e-9)
+
+
+def test_a_vertical_face_between_two_nodes_is_no_change():
+    """Profiles that miss half an interval of the column, of a flow that has its volume."""
+    sharp = np.where(X < LENGTH - 1e-9, HEIGHT, 0.0)
+    of = result_of([sharp, block(0.4)])
+    of.series["relative_volume"] = np.zeros(2)
+    assert np.trapezoid(sharp, X) < 0.998 * AREA
+    for found in (volume_seen.as_it_is(of), volume_seen.above(of, 1e-3)):
+        np.testing.assert_allclose(found, 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("view", "sign"), [("wall", -1.0), ("centre", 1.0)])
@@ -123,11 +137,53 @@ def test_a_row_has_the_largest_change_and_what_is_left_of_it():
 
 def test_each_kind_of_run_is_read_in_its_own_ways():
     plain = result_of([block(0.2), block(0.4)], **{"geometry.channel_width": math.inf})
-    words = [name for name, _ in volume.seen(plain)]
+    words = [name for name, *_ in volume.seen(plain)]
     assert words[0] == "grains"
     assert len(words) == 1 + len(volume.THRESHOLDS) + len(volume.ZEROS) + len(volume.EXPOSURES)
     swelling = {"effects.dilatancy": {"dilatancy_factor": 4.0}}
-    assert [name for name, _ in volume.seen(result_of([block(0.2)], **swelling))] == ["grains"]
+    assert [name for name, *_ in volume.seen(result_of([block(0.2)], **swelling))] == ["grains"]
     seen_from = {"effects.transverse_profile": {"velocity_ratio": 1.2}}
-    found = [name for name, _ in volume.seen(result_of([block(0.2)], **seen_from))]
+    found = [name for name, *_ in volume.seen(result_of([block(0.2)], **seen_from))]
     assert found == ["grains", "from the wall", "from the centre"]
+
+
+def test_the_changes_of_the_figure_are_kept_by_name_and_made_by_a_case(tmp_path):
+    path = tmp_path / "changes.csv"
+    first, second = volume.SHOWN[:2]
+    for change in (np.zeros(3), np.array([0.0, 0.05, 0.01])):
+        volume.add_lines(path, [volume.line_of(name, TIMES, change) for name in (first, second)])
+    rows = {row["case"]: as_line(row) for row in read_table(path)}
+    assert list(rows) == [first, second]
+    assert rows[first].values.max() == pytest.approx(5.0)
+    assert rows[first].at[-1] == pytest.approx(TIMES[-1])
+    for name in volume.SHOWN:
+        assert name.rpartition("; ")[0] in volume.cases()
+
+
+def test_the_figure_draws_what_is_kept():
+    names = [
+        f"{paper_volume_seen.GRAINS}; {width}; {kind}"
+        for width in paper_volume_seen.WANTED
+        for kind in paper_volume_seen.KINDS
+    ]
+    assert names == volume.SHOWN
+    assert [value / 100.0 for value in paper_volume_seen.WANTED.values()] == list(volume.WANTED)
+
+
+def test_the_search_writes_runs_what_is_seen_and_the_lines_of_the_figure(tmp_path, monkeypatch):
+    names = [volume.name_of(volume.MAIN, 0.1, kind) for kind in ("plain", "K = 4, from 0.60")]
+    short = {name: volume.cases()[name] | {"time.end": 0.2} for name in names}
+    monkeypatch.setattr(volume, "cases", lambda: short)
+    options = SimpleNamespace(out=tmp_path, tables=tmp_path, cell_size=0.03, workers=1)
+    for _ in range(2):  # the second finds all done
+        assert volume.search(options) == []
+        found = {
+            part: read_table(tmp_path / "volume" / f"{part}.csv")
+            for part in ("runs", "seen", "changes")
+        }
+        assert [row["name"] for row in found["runs"]] == names
+        assert {row["case"] for row in found["changes"]} == {
+            name for name in volume.SHOWN if name.rpartition("; ")[0] in names
+        }
+        swelling = [row for row in found["seen"] if row["name"] == f"{names[1]}; grains"]
+        assert 0.0 < float(swelling[0]["largest_percent"]) < 5.0

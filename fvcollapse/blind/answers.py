@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fvcollapse.blind.evidence_file import read_evidence
-from fvcollapse.blind.plain_values import Answer, Content
+from fvcollapse.blind.plain_values import Answer, Content, Left
 from fvcollapse.blind.simple_rules import SIMPLE, simple_answer
 from fvcollapse.diagnosis.names import UNKNOWN
 from fvcollapse.diagnosis.verdict import verdict
@@ -96,7 +96,19 @@ def answer_of_report(report: "Report") -> Answer:
             "winner": winner.fraction_closed,
             "runner_up": second.fraction_closed if second else None,
         }
+        if second is not None:
+            answer["reduction"].update(left_of(report))
     return answer
+
+
+def left_of(report: "Report") -> Left:
+    """What winner and runner-up leave of the gap of the experiment held out; empty unless it is one."""
+    confirmation = report.details.confirmation
+    folds = [fold for fold in confirmation.folds if fold.held_out] if confirmation else []
+    if len(folds) != 1:
+        return {}
+    (fold,) = folds
+    return {"winner_left": fold.winner_left, "runner_up_left": fold.runner_up_left}
 
 
 def write_answers(path: str | Path, answered: Mapping[str, Answer]) -> None:

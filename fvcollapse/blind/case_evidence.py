@@ -154,17 +154,30 @@ def runner_of(options: Mapping[str, Any], resources: Resources = HERE) -> Rememb
     return RememberingRunner(options.get("cache"), resources)
 
 
-def analysis_of(case: Path, runner: Runner, options: Mapping[str, Any]) -> "Analysis":
-    """The `Analysis` of a case, with the controls of its laboratory if the options say so."""
+def analysis_of(
+    case: Path,
+    runner: Runner,
+    options: Mapping[str, Any],
+    folders: Sequence[Path] | None = None,
+) -> "Analysis":
+    """The `Analysis` of a case, with the controls of its laboratory if the options say so.
+
+    `folders` are its experiments; default those of the case.
+    """
     options = {name: value for name, value in options.items() if name != "cache"}
     asked: dict[str, Any] = {
         name: options.pop(name) for name in ("cell_size", "seed") if name in options
     }
-    experiments = tuple(load_experiment(case / name) for name in design_of(case))
+    folders = [case / name for name in design_of(case)] if folders is None else folders
+    experiments = tuple(map(load_experiment, folders))
     if options.pop("controls", False):
-        folders = sorted((case / CONTROLS).glob(f"*/{SETTINGS}"))
-        asked["controls"] = tuple(load_experiment(path.parent) for path in folders)
+        asked["controls"] = tuple(map(load_experiment, controls_of(case)))
     return analyse(Question(experiments, **asked), runner, **options)
+
+
+def controls_of(case: Path) -> list[Path]:
+    """Folders of the controls of the laboratory of a case."""
+    return [path.parent for path in sorted((case / CONTROLS).glob(f"*/{SETTINGS}"))]
 
 
 def keep_evidence(case: Path, out: Path, runner: Runner, options: Mapping[str, Any]) -> None:

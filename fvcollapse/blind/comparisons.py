@@ -62,7 +62,7 @@ def parameter_scores(rows: Sequence[Mapping[str, Any]]) -> dict[str, Average | N
 
 
 def reduction_scores(
-    rows: Sequence[Reduction], tolerance: float = 0.15
+    rows: Sequence[Reduction], tolerances: tuple[float, float] = (0.15, 0.10)
 ) -> dict[str, Average | None]:
     """Predicted beside actual reduction of the gap, and winner beside runner-up.
 
@@ -70,17 +70,23 @@ def reduction_scores(
     ----------
     rows : list of dict
         Fractions of the gap closed, each may be None: `predicted` and `actual` of the fitted experiments,
-        `winner` (absent: `actual`) and `runner_up` of those held out.
-    tolerance : float
-        Largest difference that counts as right.
+        `winner` (absent: `actual`) and `runner_up` of those held out; `winner_left` and `runner_up_left`, what they
+        leave of the gap of one held out, noise included, in standard deviations.
+    tolerances : (float, float)
+        Largest differences that count as right: of `within_tolerance` and of the narrower `within_narrow`.
     """
     pairs = [(r["predicted"], r["actual"]) for r in rows]
     both = [(p, a) for p, a in pairs if p is not None and a is not None]
     duels = [(r.get("winner", r["actual"]), r["runner_up"]) for r in rows]
     duel = [(a, b) for a, b in duels if a is not None and b is not None]
+    rests = [(r.get("winner_left"), r.get("runner_up_left")) for r in rows]
+    left = [(a, b) for a, b in rests if a is not None and b is not None]
+    wide, narrow = tolerances
     table: dict[str, Average | None] = {
-        "within_tolerance": share(abs(p - a) <= tolerance for p, a in both),
+        "within_tolerance": share(abs(p - a) <= wide for p, a in both),
+        "within_narrow": share(abs(p - a) <= narrow for p, a in both),
         "winner_beats_runner_up": share(a > b for a, b in duel),
+        "winner_leaves_less": share(a < b for a, b in left),
         "rms": None,
         "slope": None,
     }

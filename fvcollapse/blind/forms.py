@@ -224,12 +224,14 @@ class Interval(msgspec.Struct):
 
 
 class Reduction(msgspec.Struct):
-    """Parts of the gap that are closed; `winner` where an experiment was held out."""
+    """Parts of the gap that are closed; `winner` where an experiment was held out, and what both leave of its gap."""
 
     predicted: float | None
     actual: float | None
     runner_up: float | None
     winner: float | None = None
+    winner_left: float | None = None
+    runner_up_left: float | None = None
 
 
 class Answer(msgspec.Struct):

@@ -11,7 +11,7 @@ import numpy as np
 
 from fvcollapse.blind.causes import Style, draw_effect
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.blind.plain_values import Keys, Label, Outside, Run, World
+from fvcollapse.blind.plain_values import Drawn, Keys, Label, Outside, Run, World
 from fvcollapse.blind.set_ups import CONTROL, STATEMENTS, SetUp, set_up_of
 from fvcollapse.blind.worlds import draw_world, folded, numerics_keys
 from fvcollapse.case.case import Case
@@ -40,7 +40,7 @@ def drawn_world(
         try:
             return world | {
                 "controls": {
-                    CONTROL + place: draw_run(place, {}, {}, world, rng)
+                    CONTROL + place: draw_run(set_up_of(place), {}, {}, world, rng)
                     for place in world["set_ups"]
                 }
             }
@@ -95,20 +95,37 @@ def try_label(
     outside = UNKNOWNS[kind](rng, geometry) if kind else {}
     chosen = () if cause in (NONE, UNKNOWN) else cause.split("+")
     effects = {name: draw_effect(name, style, rng) for name in chosen}
-    sections = {name: drawn["section"] for name, drawn in effects.items()}
+    runs = {name: draw_run(set_up_of(name), effects, outside, world, rng) for name in names}
     return {
         "cause": cause,
         "unknown_kind": kind,
         "effects": effects,
         "outside": outside,
         "world": world,
-        "experiments": {name: draw_run(name, sections, outside, world, rng) for name in names},
+        "experiments": runs,
     }
 
 
+def draw_added(label: Label, set_up: SetUp, seed: Sequence[int]) -> Run:
+    """One more run of a case whose label is drawn: the same cause in the same world, in another `SetUp`.
+
+    Raises
+    ------
+    ValueError
+        No draw fits together.
+    """
+    for attempt in range(TRIES):
+        rng = np.random.default_rng([*seed, attempt])
+        try:
+            return draw_run(set_up, label["effects"], label["outside"], label["world"], rng)
+        except CaseError:  # values that cannot be together
+            continue
+    raise ValueError(f"{TRIES} draws of {set_up} do not fit together")
+
+
 def draw_run(
-    name: str,
-    sections: dict[str, Keys],
+    set_up: SetUp,
+    effects: Mapping[str, Drawn],
     outside: Outside,
     world: World,
     rng: np.random.Generator,
@@ -117,10 +134,9 @@ def draw_run(
 
     Parameters
     ----------
-    name : str
-        Key of `SET_UPS`.
-    sections : dict
-        Effect -> its keys, beside those of the world.
+    set_up : SetUp
+    effects : dict
+        Effect -> `draw_effect`, beside those of the world.
     outside : dict
         A cause outside the catalogue; see `outside.UNKNOWNS`.
     world : dict
@@ -130,8 +146,9 @@ def draw_run(
     ------
     CaseError
     """
+    sections = {name: drawn["section"] for name, drawn in effects.items()}
     return {
-        "case": draw_truth(set_up_of(name), sections, outside, world, rng).to_toml(),
+        "case": draw_truth(set_up, sections, outside, world, rng).to_toml(),
         "forces": [*world["forces"], *outside.get("forces", ())],
         "readings": [*world["readings"], *outside.get("readings", ())],
         "noise": int(rng.integers(2**63)),

@@ -22,8 +22,8 @@ from fvcollapse.blind.labels import (
 )
 from fvcollapse.blind.measurement import film
 from fvcollapse.blind.plain_values import Entry, Plan, Run, World
-from fvcollapse.blind.seal import SEAL, canonical, seal_text
-from fvcollapse.blind.set_ups import errors_of, set_up_of, settings_text
+from fvcollapse.blind.seal import SEAL, canonical, refuse_count, seal_text
+from fvcollapse.blind.set_ups import SetUp, errors_of, set_up_of, settings_text
 from fvcollapse.blind.truth import keep_truth, view_of
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
@@ -32,7 +32,6 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.studies.workers import HERE, Resources, refuse_workers, run_all
 
-CASES_MAX = 100_000
 REDRAWS = 5  # of a case whose truth cannot be computed
 MOMENT = 946_684_800  # s; modification time of every file: 1 January 2000
 
@@ -73,8 +72,7 @@ def make(
     """
     refuse_workers(resources.workers)
     folder, labels = places(folder, labels)
-    if not 1 <= count <= CASES_MAX:
-        raise InputError("command line", "--cases", f"{count}", f"a number from 1 to {CASES_MAX}")
+    refuse_count(count)
     plan = begun_plan(count, folder, labels)
     if plan is None:
         plan = draw_plan(count, draw)
@@ -173,10 +171,12 @@ def write_case(folder: Path, entry: Entry, truths: Path, work: Path) -> None:
     os.utime(folder, (MOMENT, MOMENT))
 
 
-def write_experiment(folder: Path, experiment: Run, world: World, truths: Path) -> None:
-    """Write the folder of one experiment."""
+def write_experiment(
+    folder: Path, experiment: Run, world: World, truths: Path, set_up: SetUp | None = None
+) -> None:
+    """Write the folder of one experiment, whose name is that of its set-up unless one is given."""
     name, case = folder.name, case_from_text(experiment["case"])
-    set_up, common = set_up_of(name), world["common"]
+    set_up, common = set_up or set_up_of(name), world["common"]
     view = view_of(truths / f"{name}.h5", case, experiment)
     rng = np.random.default_rng(experiment["noise"])
     errors = errors_of(set_up, world["statement"], world["quality"])
@@ -184,7 +184,7 @@ def write_experiment(folder: Path, experiment: Run, world: World, truths: Path) 
         key: common[key] for key in ("time", "offset", "scale") if key in common
     }
     texts = film(view, set_up.end, set_up.reach, errors, rng, camera)
-    texts[SETTINGS] = settings_text(name, world["statement"], world["quality"])
+    texts[SETTINGS] = settings_text(set_up, world["statement"], world["quality"])
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         write_atomic(folder / file, text.encode())

@@ -137,8 +137,15 @@ class Interval(TypedDict):
     high: float
 
 
-class Reduction(TypedDict):
-    """Parts of the gap that are closed; `winner` where an experiment was held out."""
+class Left(TypedDict, total=False):
+    """What winner and runner-up leave of the gap of one experiment held out, in standard deviations."""
+
+    winner_left: float | None
+    runner_up_left: float | None
+
+
+class Reduction(Left):
+    """Parts of the gap that are closed; `winner` where an experiment was held out, and what both leave of its gap."""
 
     predicted: float | None
     actual: float | None
@@ -154,6 +161,44 @@ class Answer(TypedDict):
     set: NotRequired[list[str]]
     parameters: NotRequired[dict[str, dict[str, Interval]]]
     reduction: NotRequired[Reduction]
+
+
+class Planned(TypedDict):
+    """One set-up that could be measured next; see `next_plan.plan_of`."""
+
+    changes: dict[str, float]
+    words: str
+    expected_gain: float
+    separates: list[str]
+
+
+class NextPlan(TypedDict):
+    """What the diagnosis of the first experiment of a case recommends; see `next_plan.plan_of`."""
+
+    first: Answer
+    leading: list[str]
+    candidates: dict[str, Planned]
+    recommended: str | None
+    random: str | None
+
+
+class Added(TypedDict):
+    """One next experiment, and the answer to it and the first; None: it could not be filmed or compared."""
+
+    words: str
+    expected_gain: float
+    separates: list[str]
+    answer: Answer | None
+
+
+class NextAnswer(TypedDict):
+    """The entry of a case in the answers to next experiments; see `next_answers.together`."""
+
+    first: Answer
+    leading: list[str]
+    added: dict[str, Added]
+    recommended: str | None
+    random: str | None
 
 
 class Average(TypedDict):

@@ -18,6 +18,18 @@ from fvcollapse.output.forms import form_problems
 SEAL = "SEAL.json"
 SEAL_FORMAT = "fvcollapse-seal"
 FORMAT_VERSION = 1
+CASES_MAX = 100_000
+
+
+def refuse_count(count: int) -> None:
+    """Refuse a number of cases that no suite has.
+
+    Raises
+    ------
+    InputError
+    """
+    if not 1 <= count <= CASES_MAX:
+        raise InputError("command line", "--cases", f"{count}", f"a number from 1 to {CASES_MAX}")
 
 
 def canonical(value: object) -> bytes:

@@ -4,8 +4,11 @@ Every experiment of a laboratory has the same statement of its material; how wel
 errors are common to all experiments, is one of two `STATEMENTS`.
 """
 
-from math import inf
+from collections.abc import Mapping
+from math import inf, sqrt
 from typing import NamedTuple
+
+import numpy as np
 
 from fvcollapse.blind.measurement import Errors
 
@@ -60,7 +63,7 @@ STATEMENTS = {
 
 
 class SetUp(NamedTuple):
-    """One experiment: slope [deg], channel width [m], last frame [s], last place on the film [m], column [m]."""
+    """One experiment: slope [deg], channel width, last frame [s], last place on the film, column, gate [m/s]; in m."""
 
     slope: float
     width: float
@@ -68,10 +71,12 @@ class SetUp(NamedTuple):
     reach: float
     height: float = 0.14
     length: float = 0.20
+    speed: float = BELIEVED["gate.speed"]
 
     def stated(self) -> dict[str, float]:
         """Case keys that are stated of this set-up."""
         return BELIEVED | {
+            "gate.speed": self.speed,
             "geometry.slope_angle_deg": self.slope,
             "geometry.height_0": self.height,
             "geometry.length_0": self.length,
@@ -92,6 +97,7 @@ SET_UPS = {
     "slope13_width07_tall": SetUp(13.0, 0.07, 1.24, 1.10, 0.18, 0.15),
     "slope18_width14": SetUp(18.0, 0.14, 1.48, 1.40),
 }
+USUAL_HEIGHT = 0.14  # m, of the columns that are not tall
 CONTROL = "control_"  # before the name of the set-up of a control
 TRAINING_DESIGNS = (  # the experiments of a case
     ("slope10_width10", "slope16_width10", "slope20_width10"),
@@ -128,9 +134,46 @@ def errors_of(set_up: SetUp, statement: str, quality: float) -> Errors:
     )
 
 
-def settings_text(name: str, statement: str, quality: float = 1.0) -> str:
+VARIED = {  # case keys of a set-up that a laboratory can change
+    "geometry.slope_angle_deg": "slope",
+    "geometry.channel_width": "width",
+    "geometry.height_0": "height",
+    "gate.speed": "speed",
+}
+
+
+def varied(set_up: SetUp, changes: Mapping[str, float]) -> SetUp:
+    """The `SetUp` with other values of `VARIED` {case key: value}; it is filmed as long as such a collapse takes."""
+    fields = {VARIED[key]: value for key, value in changes.items() if key in VARIED}
+    other = set_up._replace(**fields)
+    if (other.slope, other.height) == (set_up.slope, set_up.height):
+        return other
+    before, after = (film_of(one.slope, one.height) for one in (set_up, other))
+    run = (set_up.reach - set_up.length) * after[1] / before[1]
+    return other._replace(
+        end=round(set_up.end * after[0] / before[0], 2), reach=round(set_up.length + run, 2)
+    )
+
+
+def film_of(slope: float, height: float) -> tuple[float, float]:
+    """Last frame [s], and last place from the gate on [m], of a film of a collapse.
+
+    Between the films of the known set-ups, and beyond them in proportion; a column of another height falls and runs in
+    proportion to the root of its height, and to its height.
+    """
+    films = {one.slope: one for one in SET_UPS.values() if one.height == USUAL_HEIGHT}
+    slopes = np.array(sorted(films))
+    after = int(np.clip(np.searchsorted(slopes, slope), 1, len(slopes) - 1))
+    first, last = (films[each] for each in slopes[after - 1 : after + 1])
+    part = (slope - first.slope) / (last.slope - first.slope)
+    end = first.end + part * (last.end - first.end)
+    run = first.reach - first.length + part * (last.reach - first.reach)
+    return end * sqrt(height / USUAL_HEIGHT), run * height / USUAL_HEIGHT
+
+
+def settings_text(set_up: SetUp, statement: str, quality: float = 1.0) -> str:
     """`experiment.toml` of an experiment or a control; nothing in it depends on what is hidden."""
-    set_up, stated = set_up_of(name), STATEMENTS[statement]
+    stated = STATEMENTS[statement]
     errors, common = errors_of(set_up, statement, quality), str(stated.common).lower()
     return f"""title = "synthetic collapse, {set_up.slope:g} deg, w = {100 * set_up.width:g} cm"
 source = "fvcollapse blind"
@@ -142,7 +185,7 @@ length_0 = {set_up.length}
 channel_width = {set_up.width}
 
 [gate]
-speed = {BELIEVED["gate.speed"]}
+speed = {set_up.speed}
 
 [material]
 mu_1 = {BELIEVED["rheology.mu_1"]}

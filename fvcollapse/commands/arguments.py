@@ -1,5 +1,6 @@
 """Arguments that several commands share."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,21 @@ def add_case(parser: Any) -> None:
         default=[],
         help="change one key of the case; may be repeated",
     )
+
+
+def result_file(path: Path) -> Path:
+    """The result file that a path means: itself, or `result.h5` in a folder.
+
+    Raises
+    ------
+    InputError
+        There is no such file.
+    """
+    from fvcollapse.files.regular import refuse_unreadable
+
+    result = path / "result.h5" if os.path.isdir(path) else path
+    refuse_unreadable(result, "a result.h5, or a folder that holds one")
+    return result
 
 
 def add_force(parser: Any) -> None:

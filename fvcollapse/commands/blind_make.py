@@ -32,8 +32,12 @@ def add_parser(commands: Any) -> None:
 
 def execute(arguments: Namespace) -> int:
     """Make experiments that hide an effect, two, none, or a cause outside the catalogue; continue them."""
-    from fvcollapse.blind.make import make
-    from fvcollapse.studies.workers import Resources
+    from fvcollapse.blind.seal import refuse_count
+    from fvcollapse.studies.workers import Resources, refuse_workers
+
+    refuse_workers(arguments.workers)
+    refuse_count(arguments.cases)
+    from fvcollapse.blind.make import make  # loads the compiler
 
     seal = make(
         arguments.cases,

@@ -33,9 +33,12 @@ def add_parser(commands: Any) -> None:
 
 def execute(arguments: Namespace) -> int:
     """Open the seal and score the answers: all scores as JSON, with intervals and baselines."""
+    from fvcollapse.files.regular import refuse_unreadable
     from fvcollapse.output.question import claim_file
 
     claim_file(arguments.json, arguments.force)
+    for path in (arguments.labels, arguments.answers, *arguments.against):
+        refuse_unreadable(path, "a readable JSON file")
     from fvcollapse.blind.score import score
     from fvcollapse.blind.score_table import scores_text, table, write_scores
 

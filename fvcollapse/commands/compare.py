@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fvcollapse.commands.arguments import add_force
+from fvcollapse.commands.arguments import add_force, result_file
 
 TABLE = "differences.csv"
 
@@ -30,21 +30,23 @@ def add_parser(commands: Any) -> None:
 
 def execute(arguments: Namespace) -> int:
     """Compare a run with another run or with an experiment; print the differences, write them and a picture."""
-    from fvcollapse.draw.comparison import draw_comparison
-    from fvcollapse.measure.comparison import COLUMNS, between_runs, table, to_experiment
     from fvcollapse.measure.experiment import SETTINGS, load_experiment
     from fvcollapse.output.question import claim_folder
     from fvcollapse.output.result import open_result
 
+    result = open_result(result_file(arguments.run))
+    other: Any = None
+    experiment: Any = None
+    if (arguments.other / SETTINGS).exists():
+        experiment = load_experiment(arguments.other)
+    else:
+        other = open_result(result_file(arguments.other))
+    from fvcollapse.draw.comparison import draw_comparison  # heavy, and not needed to refuse a file
+    from fvcollapse.measure.comparison import COLUMNS, between_runs, table, to_experiment
+
     names = [named(path) for path in (arguments.run, arguments.other)]
     folder = arguments.out or Path("out") / f"compare_{'_'.join(names)}"
-    result = open_result(arguments.run)
-    if (arguments.other / SETTINGS).exists():
-        other, experiment = None, load_experiment(arguments.other)
-        rows = to_experiment(result, experiment)
-    else:
-        other, experiment = open_result(arguments.other), None
-        rows = between_runs(result, other)
+    rows = to_experiment(result, experiment) if experiment else between_runs(result, other)
     question = {"run": str(arguments.run.resolve()), "other": str(arguments.other.resolve())}
     claim_folder(folder, "compare", question, arguments.force)
     picture = draw_comparison(folder, names, result, other, experiment)

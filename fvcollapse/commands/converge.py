@@ -40,25 +40,26 @@ def execute(arguments: Namespace) -> int:
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.files.targets import refuse_file
     from fvcollapse.output.question import claim_file
     from fvcollapse.studies.estimate import plan_of
     from fvcollapse.studies.refinement import AXES, Series, checked_values, member_case, refine
-    from fvcollapse.studies.refinement_report import NAME, table, write_report
     from fvcollapse.studies.workers import Resources
 
     axis = next(name for name in AXES if getattr(arguments, name) is not None)
     values = getattr(arguments, axis)
+    source, folder = str(arguments.case), arguments.out
+    folder = folder or Path("out") / f"{arguments.case.stem}_{axis}"
+    members = [member_case(case, axis, value, source) for value in checked_values(axis, values)]
+    refuse_file(folder)
     if arguments.dry_run:
-        members = [
-            member_case(case, axis, value, str(arguments.case))
-            for value in checked_values(axis, values)
-        ]
         print(plan_of(members).line(arguments.workers))
         return 0
-    folder = arguments.out or Path("out") / f"{arguments.case.stem}_{axis}"
+    from fvcollapse.studies.refinement_report import NAME, table, write_report  # draws: heavy
+
     claim_file(arguments.json, arguments.force, copy_of=folder / f"{NAME}.json")
     records = refine(
-        Series(case, axis, values, str(arguments.case)),
+        Series(case, axis, values, source),
         folder,
         Resources(arguments.workers, quiet=arguments.quiet),
         force=arguments.force,

@@ -90,10 +90,12 @@ def add_settings(parser: Any) -> None:
 def execute(arguments: Namespace) -> int:
     """Compare experiments with a model and its possible effects; continue what is there; write a report."""
     from fvcollapse.diagnosis.report import FILE_NAME
-    from fvcollapse.diagnosis.report.page import PAGE
 
+    refuse_unread(arguments)
     if arguments.dry_run:
         return print_plan(arguments)
+    from fvcollapse.diagnosis.report.page import PAGE  # heavy, and not needed to refuse bad input
+
     if arguments.each:
         list(questions(arguments))  # all of them are checked before the first is diagnosed
         return diagnose_each(
@@ -105,6 +107,26 @@ def execute(arguments: Namespace) -> int:
     print_answer(asked(arguments, arguments.experiments, arguments.out))
     print(f"\n{arguments.out / FILE_NAME}\n{arguments.out / PAGE}")
     return 0
+
+
+def refuse_unread(arguments: Namespace) -> None:
+    """Refuse folders, files and names that are wrong by themselves, before the solver is loaded.
+
+    Raises
+    ------
+    InputError, OutputError
+    """
+    from fvcollapse.case.case import load_case
+    from fvcollapse.diagnosis.levels import applicable_effects
+    from fvcollapse.files.targets import refuse_file
+    from fvcollapse.measure.experiment import load_experiment
+
+    for folder in (*arguments.experiments, *arguments.hold_out, *arguments.controls):
+        load_experiment(folder)
+    if arguments.case is not None:
+        load_case(arguments.case)
+    applicable_effects({}, effects_of(arguments))
+    refuse_file(arguments.out)
 
 
 def asked(arguments: Namespace, experiments: list, folder: Path) -> Any:
@@ -165,9 +187,11 @@ def questions(arguments: Namespace) -> Iterator[Any]:
 
 def print_plan(arguments: Namespace) -> int:
     """Print how many runs there would be, and how long they take; nothing is written."""
+    from fvcollapse.diagnosis.oddities import coarse_grid, tell
     from fvcollapse.diagnosis.plan import plan_diagnosis
 
     for question in questions(arguments):
+        tell(coarse_grid(question))
         plan = plan_diagnosis(question, effects_of(arguments), cache=arguments.cache)
         name = f"{question.experiments[0].name}: " if arguments.each else ""
         print(f"{name}{plan.line(arguments.workers)}")

@@ -21,9 +21,12 @@ def execute(arguments: Namespace) -> int:
     """Write a case file in which every key is a comment with its default, unit, meaning and range."""
     from fvcollapse.case.template import case_template
     from fvcollapse.files.atomic import write_atomic
+    from fvcollapse.files.targets import make_folder
     from fvcollapse.output.question import claim_file
 
-    claim_file(arguments.path, arguments.force)
+    if arguments.path.parent.exists():
+        claim_file(arguments.path, arguments.force)
+    make_folder(arguments.path.parent)
     write_atomic(arguments.path, case_template().encode(), running=False)
     print(arguments.path)
     return 0

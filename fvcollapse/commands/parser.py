@@ -14,14 +14,26 @@ LEAST_ALIKE = 0.5  # of two names, below which none is proposed
 class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, as all others."""
 
-    given = ()  # the words that are being read
+    given: tuple[str, ...] = ()  # the words that are being read
 
     def error(self, message):
-        """Refuse the arguments; an option that is none is perhaps why another one is missing."""
+        """Refuse the arguments, after the help where none is given.
+
+        An option that is none is perhaps why another one is missing.
+        """
+        if not self.given:
+            self.print_help()
         known = self._option_string_actions
         words = [word.partition("=")[0] for word in self.given if word.startswith("--")]
         strange = [word for word in words if not any(name.startswith(word) for name in known)]
-        self.refuse(message, nearest(strange[0], known) if strange else "")
+        self.refuse(message, self.meant(strange[0]) if strange else "")
+
+    def meant(self, option: str) -> str:
+        """The option most like one that is none; empty where that is given already, and counts once."""
+        found = nearest(option, self._option_string_actions)
+        repeated = isinstance(self._option_string_actions.get(found), argparse._AppendAction)
+        given = any(word.partition("=")[0] == found for word in self.given)
+        return "" if given and not repeated else found
 
     def refuse(self, found: str, meant: str = "") -> None:
         """Refuse the arguments, with what was perhaps meant.
@@ -40,7 +52,7 @@ class Parser(argparse.ArgumentParser):
         found, extra = super().parse_known_args(args, namespace)
         if extra:
             option = next((word for word in extra if word.startswith("-")), extra[0])
-            meant = nearest(option.partition("=")[0], self._option_string_actions)
+            meant = self.meant(option.partition("=")[0])
             self.refuse(f"unrecognized arguments: {' '.join(extra)}", meant)
         return found, extra
 

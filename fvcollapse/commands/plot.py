@@ -1,11 +1,10 @@
 """`plot`: pictures and an animation of results."""
 
-import os
 from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from fvcollapse.commands.arguments import add_force
+from fvcollapse.commands.arguments import add_force, result_file
 from fvcollapse.errors import InputError
 from fvcollapse.files.plain_numbers import decimal_number
 
@@ -57,7 +56,7 @@ def execute(arguments: Namespace) -> int:
         allowed = f"{DPI_LEAST} to {DPI_MOST}"
         raise InputError("command line", "--dpi", str(arguments.dpi), allowed)
     from fvcollapse.draw.look import Look
-    from fvcollapse.draw.pictures import claim_pictures, draw_all
+    from fvcollapse.draw.pictures import claim_pictures, draw_all, refuse_look
 
     times, fields = tuple(arguments.times), tuple(dict.fromkeys(arguments.fields))
     file_kinds = arguments.format, arguments.dpi, arguments.animation
@@ -65,21 +64,14 @@ def execute(arguments: Namespace) -> int:
     places = [
         folder or path.parent / "pictures" for path, folder in zip(results, folders, strict=True)
     ]
+    for result in results:  # all of them before the first folder is made
+        refuse_look(result, look)
     for result, folder in zip(results, places, strict=True):
         claim_pictures(result, folder, arguments.force)
     for result, folder in zip(results, places, strict=True):
         for path in draw_all(result, folder, look):
             print(path)
     return 0
-
-
-def result_file(path: Path) -> Path:
-    """The result file that a path means: itself, or `result.h5` in a folder."""
-    from fvcollapse.files.regular import refuse_unreadable
-
-    result = path / "result.h5" if os.path.isdir(path) else path
-    refuse_unreadable(result, "a result.h5, or a folder that holds one")
-    return result
 
 
 def distinct_names(results: list[Path]) -> list[str]:

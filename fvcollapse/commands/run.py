@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet
+from fvcollapse.commands.arguments import add_case, add_dry_run, add_force, add_quiet, result_file
 
 
 def add_parser(commands: Any) -> None:
@@ -35,13 +35,16 @@ def add_parser(commands: Any) -> None:
 def execute(arguments: Namespace) -> int:
     """Run one simulation and print its summary."""
     from fvcollapse.case.case import load_case
+    from fvcollapse.files.targets import refuse_file
 
     case = load_case(arguments.case, arguments.overrides)
     if arguments.deposit is not None:
         from fvcollapse.output.deposit import from_deposit
         from fvcollapse.output.result import open_result
 
-        case = from_deposit(open_result(arguments.deposit), case)
+        case = from_deposit(open_result(result_file(arguments.deposit)), case)
+    folder = arguments.out or Path("out") / arguments.case.stem
+    refuse_file(folder)
     if arguments.dry_run:
         from fvcollapse.studies.estimate import plan_of
 
@@ -50,7 +53,6 @@ def execute(arguments: Namespace) -> int:
     from fvcollapse.output.run import run_case  # heavy, and not needed to refuse a bad case
     from fvcollapse.output.run_folder import holds_run
 
-    folder = arguments.out or Path("out") / arguments.case.stem
     resume = arguments.resume or holds_run(case, folder)
     result = run_case(case, folder, resume, quiet=arguments.quiet, force=arguments.force)
     print(result.summary_table())

@@ -45,6 +45,7 @@ def execute(arguments: Namespace) -> int:
     from fvcollapse.case.case import load_case
 
     case = load_case(arguments.case, arguments.overrides)
+    from fvcollapse.files.targets import refuse_file
     from fvcollapse.studies.estimate import plan_of
     from fvcollapse.studies.sweep import TABLE, all_points, parse_variation, sweep, table
     from fvcollapse.studies.workers import Resources
@@ -53,6 +54,7 @@ def execute(arguments: Namespace) -> int:
     for text in arguments.variations:
         key, values = parse_variation(text)
         variations.setdefault(key, []).extend(values)
+    refuse_file(arguments.out)
     if arguments.dry_run:
         points = all_points(case, variations, str(arguments.case))
         print(plan_of([point.case for point in points]).line(arguments.workers))

@@ -3,11 +3,12 @@
 from functools import partial
 from pathlib import Path
 
-from fvcollapse.draw.animation import animation
+from fvcollapse.draw.animation import animation, ffmpeg
 from fvcollapse.draw.captions import caption
 from fvcollapse.draw.drawing import image_of
 from fvcollapse.draw.figures import FIGURES, draw, refuse_no_field
 from fvcollapse.draw.look import Look
+from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.question import case_question, claim_folder
@@ -36,6 +37,32 @@ def claim_pictures(result_path: str | Path, folder: str | Path, force: bool = Fa
     claim_folder(folder, "plot", case_question(case, without=["time.end"]), force)
 
 
+def refuse_look(result_path: str | Path, look: Look) -> None:
+    """Refuse what cannot be drawn of a result; nothing is written.
+
+    Parameters
+    ----------
+    result_path : str or Path
+    look : Look
+
+    Raises
+    ------
+    InputError
+        A field that is not there, a time outside of the run, MP4 without ffmpeg.
+    """
+    result = open_result(result_path)
+    for name in look.fields if look.animation == "none" else ("speed", *look.fields):
+        refuse_no_field(result, name)
+    times = result.profiles.time
+    slack = times[-1] - times[-2] if len(times) > 1 else 0.0  # the nearest stored time is drawn
+    for time in look.times:
+        if not 0.0 <= time <= times[-1] + slack:
+            allowed = f"0 to {times[-1]:g} s, the end of {result.path}"
+            raise InputError("command line", "--times", f"{time:g}", allowed)
+    if look.animation == "mp4":
+        ffmpeg()
+
+
 def draw_all(
     result_path: str | Path, folder: str | Path | None = None, look: Look = USUAL
 ) -> list[Path]:
@@ -57,13 +84,12 @@ def draw_all(
     Raises
     ------
     InputError
-        No result, or one without a field that is asked for; MP4 without ffmpeg.
+        No result, or a look that it does not allow; see `refuse_look`.
     OutputError
     """
+    refuse_look(result_path, look)
     result = open_result(result_path)
     folder = Path(folder) if folder is not None else result_path_of(result).parent / "pictures"
-    for name in look.fields:
-        refuse_no_field(result, name)
     pictures = {
         f"{what}.{look.format}": partial(picture, result, what, look)
         for what in (*FIGURES, *look.fields)

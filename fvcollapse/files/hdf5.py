@@ -18,7 +18,7 @@ from fvcollapse.files.trees import is_text
 # the oldest format whose attributes may exceed 64 KB (a case with many output times)
 LIBVER = ("v108", "v110")
 MEMORY_FILES = count()
-# of an attribute: `dataset.attrs` makes the same anew for each, a quarter of the time of writing a value
+# made once: `attrs[...] = text` makes this type anew each time, a quarter of the time of writing a value
 TEXT = h5py.string_dtype()
 TEXT_ID, ONE_ID = h5py.h5t.py_create(TEXT, logical=True), h5py.h5s.create(h5py.h5s.SCALAR)
 BROKEN = (

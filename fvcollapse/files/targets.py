@@ -50,6 +50,22 @@ def make_folder(folder: str | Path, *names: str, mode: int = 0o777) -> Path:
     return folder
 
 
+def refuse_file(folder: str | Path | None) -> None:
+    """Refuse a file where a folder will be made (None: none); nothing is written.
+
+    Raises
+    ------
+    OutputError
+        With exit status 2.
+    """
+    if folder is None:
+        return
+    places = [Path(folder), *Path(folder).parents]
+    there = next((place for place in places if is_there(place)), None)
+    if there is not None and not there.is_dir():
+        raise OutputError(there, "a file, where a folder is expected", running=False)
+
+
 def refuse_bad_target(path: str | Path | None) -> None:
     """Refuse a file that cannot be written; None, which stands for no file, is accepted.
 

@@ -11,6 +11,7 @@ from fvcollapse.case.case import parse_value
 from fvcollapse.case.grammar import read_text, show, toml_value
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.regular import refuse_unreadable
 from fvcollapse.files.targets import ELSEWHERE, has_contents, is_there, make_folder
 from fvcollapse.measure.curves import curve_text
 from fvcollapse.measure.digitised_table import read_table
@@ -99,6 +100,7 @@ def write_experiment(
     if not (sources or settings):
         allowed = "one or more curves; `fvcollapse new experiment` makes an empty folder"
         raise InputError("command line", "import-curves", "no curve and no --set", allowed)
+    refuse_missing([source.path for source in sources])
     texts = {f"{name}.csv": text for name, text in curve_texts(sources, *units.factors()).items()}
     if settings or not is_there(folder / SETTINGS):
         texts[SETTINGS] = settings_text(settings, folder / SETTINGS)
@@ -109,6 +111,27 @@ def write_experiment(
     refuse_unfit(texts, folder)
     write_all(texts, folder)
     return [folder / name for name in texts]
+
+
+def refuse_missing(paths: Sequence[Path]) -> None:
+    """Refuse files that are not there or cannot be read, all of them in one line.
+
+    Raises
+    ------
+    InputError
+    """
+    refused = []
+    for path in dict.fromkeys(paths):
+        try:
+            refuse_unreadable(path, "a readable two-column file")
+        except InputError as error:
+            refused.append(error)
+    if len(refused) == 1:
+        raise refused[0]
+    if refused:
+        files = ", ".join(error.file for error in refused)
+        problems = ", ".join(dict.fromkeys(error.found for error in refused))
+        raise InputError(files, "file", problems, "readable two-column files")
 
 
 def refuse_unfit(texts: Mapping[str, str], folder: Path) -> None:

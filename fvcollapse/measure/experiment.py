@@ -199,8 +199,10 @@ def load_experiment(folder: str | Path) -> Experiment:
 def read_settings(path: Path) -> Settings:
     """The `Settings` in a file."""
     settings = read_draft(path)
-    for refusal in rule_required(settings):
-        raise InputError(path, *refusal)
+    missing = list(rule_required(settings))
+    if missing:
+        keys = ", ".join(key for key, _, _ in missing)
+        raise InputError(path, keys, *missing[0][1:])
     return settings
 
 

@@ -1,6 +1,7 @@
 """The folder of an experiment: its name, and what is none although it looks like one."""
 
 import os
+from collections import Counter
 from pathlib import Path
 from urllib.parse import quote
 
@@ -12,7 +13,9 @@ ENCODED_NAME_MAX = 200  # characters of the name of an experiment within the nam
 
 
 def refuse_parent(folder: Path) -> None:
-    """Refuse a folder of experiments, which holds none itself, with the names of those inside.
+    """Refuse a folder of experiments, which holds none itself, with the names of what is inside.
+
+    A folder inside it that holds experiments counts as one name, with how many they are.
 
     Raises
     ------
@@ -21,10 +24,17 @@ def refuse_parent(folder: Path) -> None:
     if (folder / SETTINGS).exists() or not folder.is_dir():
         return
     inside = sorted(path.parent.name for path in folder.glob(f"*/{SETTINGS}"))
-    if inside:
-        others = f" and {len(inside) - MOST_NAMES} more" if len(inside) > MOST_NAMES else ""
+    groups = Counter(path.parent.parent.name for path in folder.glob(f"*/*/{SETTINGS}"))
+    names = [listed(inside), listed([f"{name}/ ({groups[name]} in it)" for name in sorted(groups)])]
+    if inside or groups:
         found = f"no {SETTINGS}, but experiments in it"
-        raise InputError(folder, "folder", found, f"{', '.join(inside[:MOST_NAMES])}{others}")
+        raise InputError(folder, "folder", found, "; ".join(filter(None, names)))
+
+
+def listed(names: list[str]) -> str:
+    """Names in a row, no more than `MOST_NAMES`."""
+    others = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + others
 
 
 def refuse_bad_name(folder: Path) -> None:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from fvcollapse.case.case import GRAVITY
-from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.measure.pile import (
     cells_inside,
     detached_volume,
@@ -14,6 +13,7 @@ from fvcollapse.measure.pile import (
     front_position,
     x_at_volume,
 )
+from fvcollapse.measure.series_readings import ENERGY_SPENT, LOSSES
 from fvcollapse.step.adhesion import adhesion_of
 from fvcollapse.step.arrays import total
 from fvcollapse.step.compiled import inner_jit

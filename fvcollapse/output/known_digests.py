@@ -13,7 +13,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-FILE = "solver_digests.json"
+FILE = f"solver_digests.{sys.implementation.cache_tag}.json"  # one for each version of Python
 
 
 @cache
@@ -27,12 +27,16 @@ def bytes_digest(package: Path) -> str:
 
 
 def known_digest(package: Path, name: str, find: Callable[[], str]) -> str:
-    """The digest of a name (of effects that are on), found before or by `find()`."""
-    path = package / "__pycache__" / FILE
-    known = kept_digests(path, bytes_digest(package))
+    """The digest of a name (of effects that are on), kept from before or made by `find()`.
+
+    `find()` reads the files later than they were hashed; where they have changed in between nothing is kept.
+    """
+    path, before = package / "__pycache__" / FILE, bytes_digest(package)
+    known = kept_digests(path, before)
     if name not in known:
         known[name] = find()
-        keep(path, {"bytes": bytes_digest(package), "digests": known})
+        if bytes_digest.__wrapped__(package) == before:
+            keep(path, {"bytes": before, "digests": known})
     return known[name]
 
 

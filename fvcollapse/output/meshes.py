@@ -1,6 +1,6 @@
 """The grains of each stored time as a mesh of quadrilaterals, which XDMF 3 can describe.
 
-A program that reads meshes (ParaView, PyVista, meshio) so gets the grains only: no values of the air, where the
+A program that reads meshes (ParaView, meshio) so gets the grains only: no values of the air, where the
 stored velocity is a continuation that the scheme needs. ParaView's y is z here (normal to the bed), so that its
 first view shows the pile upright.
 """

@@ -26,7 +26,6 @@ from fvcollapse.output.stored_numbers import (
     refuse,
     refuse_fall,
 )
-from fvcollapse.step.erodible_bed import layer_thickness
 
 if TYPE_CHECKING:
     from fvcollapse.case.case import Case
@@ -151,6 +150,8 @@ def read_profiles(file: Any, case: "Case") -> dict[str, np.ndarray]:
 
 def lowest(case: "Case") -> float:
     """Least height of a surface [m]: an erodible layer may be gone; an extract rounds it."""
+    from fvcollapse.step.erodible_bed import layer_thickness  # loads the compiler
+
     return -layer_thickness(case) * (1.0 + SAME) - SAME - 0.5 * RESOLUTION
 
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from fvcollapse.files.hdf5 import memory_file, write_dataset
 from fvcollapse.march import SAME_TIME
-from fvcollapse.measure.observables import front_velocity, numerical_loss
 from fvcollapse.measure.pile import ill_posed_share, static_height, thickness
+from fvcollapse.measure.series_readings import front_velocity, numerical_loss
 from fvcollapse.measure.series_row import ROW
 from fvcollapse.output.stored_names import PROFILES, SERIES, STEPS, about_field
 from fvcollapse.step.erodible_bed import layer_thickness

@@ -8,7 +8,7 @@ from bisect import bisect_left
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fvcollapse.measure.observables import SPEED_REST
+from fvcollapse.measure.series_readings import SPEED_REST
 from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.step.gate import gate_height, gate_lift
 

@@ -12,11 +12,10 @@ import numpy as np
 from fvcollapse.case.case import case_from_text
 from fvcollapse.draw.html import html_table
 from fvcollapse.files.hdf5 import reading, text_attribute
-from fvcollapse.measure.observables import LOSSES, WORKS, arrest_time, peak_front_velocity
+from fvcollapse.measure.series_readings import LOSSES, WORKS, arrest_time, peak_front_velocity
 from fvcollapse.output.field_layout import read_field
 from fvcollapse.output.labels import tree_of
 from fvcollapse.output.record_layout import check_header, read_record
-from fvcollapse.output.recorder import SAME_TIME
 from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
@@ -90,7 +89,7 @@ class Result:
         volume, corrected = self.series["relative_volume"], self.series["volume_correction"][-1]
         self.trust = trust or trust_of(self.status, volume, corrected, capped, count, self.case)
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> np.ndarray:
         if name in SERIES:
             return self.series[name]
         raise AttributeError(f"a result has no {name}")
@@ -98,6 +97,8 @@ class Result:
     @property
     def ended_at_rest(self) -> bool:
         """See the attributes."""
+        from fvcollapse.output.recorder import SAME_TIME  # loads the compiler
+
         early = self.series["time"][-1] < self.case.time.end - SAME_TIME
         return self.complete and self.case.time.stop_at_rest and bool(early)
 

@@ -1,11 +1,6 @@
 """How far a result is to be trusted, judged by its own record: "fine", "look at it" or "do not use".
 
-| reason | look at it | do not use |
-|---|---|---|
-| the run did not reach its end | interrupted, or a stated limit was reached | it failed |
-| largest drift of the volume | above 0.2 % | above 1 % |
-| sum of the corrections of the volume, over the volume | above 0.15 | above 0.5 |
-| share of capped steps | above 20 % | |
+The table of the limits, with what is not judged, stands in `README.md` beside this file.
 
 The volume is corrected after every step to that of the start, so a drift means that the correction had
 nothing to act on; 1 % of the volume is as large as what a usual experiment resolves. With dilatancy the

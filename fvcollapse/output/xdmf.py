@@ -1,4 +1,4 @@
-"""The XDMF file beside a result: opens the grains in ParaView, PyVista and meshio, each time with its own mesh.
+"""The XDMF file beside a result: opens the grains in ParaView and meshio, each time with its own mesh.
 
 XDMF 3, a temporal collection of meshes of quadrilaterals (`meshes`). Nothing is copied into it.
 """

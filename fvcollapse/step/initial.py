@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from .erodible_bed import join_layer, layer_thickness
-from .grain_volume import volume
 from .grid import Grid, gate_column, spacing
 from .state import State
 
@@ -63,13 +62,6 @@ def _distance(case, grid):
     corner = np.hypot(np.maximum(beyond, 0.0), np.maximum(above, 0.0))
     column = np.where((beyond > 0.0) & (above > 0.0), corner, np.maximum(beyond, above))
     return join_layer(column, above, beyond, z) if layer > 0.0 else column
-
-
-def initial_volume(level_set, aperture, grid):
-    """Volume per unit width of the column behind the gate whose faces are open by `aperture` (nx + 1, nz), m2."""
-    everywhere = np.full(grid.nx, grid.nz)
-    unit_packing = np.ones((grid.nx, grid.nz))
-    return volume(level_set, aperture, unit_packing, everywhere) * grid.dx * grid.dz
 
 
 def initial_state(case, grid):

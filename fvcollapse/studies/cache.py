@@ -102,12 +102,12 @@ class RunCache:
 
     Attributes
     ----------
-    folder : Path
+    folder : str or Path
     libraries : tuple of Path
         Searched first.
     """
 
-    folder: Path
+    folder: str | Path
     libraries: tuple = ()
 
     def place(self, case: "Case") -> Path:

@@ -6,9 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, failures_named
 from fvcollapse.files.locks import LOCK, exclusive
-from fvcollapse.output.recorder import SAME_TIME
-from fvcollapse.output.run import run_case
-from fvcollapse.output.run_folder import CHECKPOINT, RESULT
 from fvcollapse.studies.workers import run_all
 
 if TYPE_CHECKING:
@@ -27,6 +24,10 @@ def run_member(case: "Case", folder: str | Path, quiet: bool = True, force: bool
     NumericalError
         The run fails for any other reason.
     """
+    from fvcollapse.output.recorder import SAME_TIME  # these load the compiler
+    from fvcollapse.output.run import run_case
+    from fvcollapse.output.run_folder import CHECKPOINT, RESULT
+
     folder = Path(folder)
     with failures_named(), exclusive(folder / LOCK):
         started = (folder / RESULT).exists() or (folder / CHECKPOINT).exists()

@@ -30,6 +30,7 @@ from fvcollapse.files.targets import make_folder
 from fvcollapse.output.question import Latitude, case_question, claim_folder
 from fvcollapse.output.result import open_result
 from fvcollapse.studies.members import run_member
+from fvcollapse.studies.sweep_units import UNITS_TABLE, headed, units_table
 from fvcollapse.studies.workers import HERE, refuse_workers, run_all
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def sweep(
     variations : dict
         {dotted key: list of values}.
     folder : str or Path
-        Gets one folder per point, and `sweep.csv`, which is renewed after every run.
+        Gets one folder per point, and `sweep.csv` with `sweep_units.csv`, renewed after every run.
     resources : Resources
         Where the points are run.
     source : str
@@ -98,9 +99,10 @@ def sweep(
     folder = Path(folder).absolute()  # a worker has a working folder of its own
     latitude = Latitude(free=tuple(f"case.{key}" for key in variations))
     same = claim_folder(folder, "sweep", case_question(case), force, latitude)
-    make_folder(folder, TABLE)
+    make_folder(folder, TABLE, UNITS_TABLE)
     if not same:
-        (folder / TABLE).unlink(missing_ok=True)  # of another sweep
+        for name in (TABLE, UNITS_TABLE):  # of another sweep
+            (folder / name).unlink(missing_ok=True)
     outcomes = {point.name: {"status": "missing"} for point in points}
 
     def finished(name, outcome):
@@ -232,7 +234,7 @@ def read_table(path: Path) -> list[dict[str, Any]]:
 
 
 def write_table(path: Path, rows: list[dict]) -> None:
-    """Write the rows as CSV; None is an empty cell."""
+    """Write the rows as CSV, where None is an empty cell, and the units of the columns beside it."""
     text = io.StringIO()
     columns = list(dict.fromkeys(name for row in rows for name in row))
     keys = [name for name in columns if "." in name]
@@ -242,6 +244,7 @@ def write_table(path: Path, rows: list[dict]) -> None:
     writer.writeheader()
     writer.writerows({name: cell(value) for name, value in row.items()} for row in rows)
     write_atomic(path, text.getvalue().encode())
+    write_atomic(path.with_name(UNITS_TABLE), units_table(columns).encode())
 
 
 def cell(value: Any) -> str:
@@ -252,10 +255,10 @@ def cell(value: Any) -> str:
 
 
 def table(rows: list[dict]) -> str:
-    """The rows as aligned plain text: varied keys, status and a few observables."""
+    """The rows as aligned plain text: varied keys, status and a few observables, with their units."""
     keys = [name for name in list(rows[0])[1:] if name == "status" or "." in name]
     columns = [*keys, *(name for name in SHOWN if name in rows[0])]
-    lines = [columns] + [[short(row[name]) for name in columns] for row in rows]
+    lines = [list(map(headed, columns))] + [[short(row[name]) for name in columns] for row in rows]
     widths = [max(len(line[n]) for line in lines) for n in range(len(columns))]
     return "\n".join(
         "  ".join(word.rjust(width) for word, width in zip(line, widths, strict=True))

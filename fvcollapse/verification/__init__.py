@@ -5,22 +5,12 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from fvcollapse.console.interruption import deferred_interrupt
 from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.question import claim_file
-
-if TYPE_CHECKING:
-    from fvcollapse.verification.problem import Problem
-
-
-def problem_names() -> list[str]:
-    """Names of all verification problems."""
-    from fvcollapse.verification.problems.all import PROBLEMS
-
-    return [problem.name for problem in PROBLEMS]
+from fvcollapse.verification.names import CPU_TIME, NAMES
 
 
 def verify(
@@ -34,7 +24,7 @@ def verify(
     Parameters
     ----------
     names : sequence of str, optional
-        Problems, as in `problem_names()`.
+        Problems, as in `verification.names.NAMES`.
     json_path : str or Path, optional
         Where to write the list of rows.
     markdown_path : str or Path, optional
@@ -53,15 +43,17 @@ def verify(
     KeyboardInterrupt
         After what was solved until then has been written.
     """
-    from fvcollapse.verification.problem import solve
+    asked = [named(name) for name in names or NAMES]
+    for path in (json_path, markdown_path):
+        claim_file(path, force)
+    from fvcollapse.verification.problem import solve  # these load the solver
     from fvcollapse.verification.problems.all import PROBLEMS
     from fvcollapse.verification.tables import HEADING, json_text, markdown_table, table_line
 
     problems = {problem.name: problem for problem in PROBLEMS}
-    chosen = [named(name, problems) for name in names or problems]
-    for path in (json_path, markdown_path):
-        claim_file(path, force)
-    rows = []
+    chosen = [problems[name] for name in asked]
+    rows: list[dict] = []
+    print(cost(asked), file=sys.stderr, flush=True)
     print(HEADING)
     try:
         with heeded_between_steps():
@@ -94,16 +86,21 @@ def heeded_between_steps() -> Iterator[None]:
             INTERRUPTED.reset(token)
 
 
-def named(name: str, problems: Any) -> "Problem":
-    """The problem of that name.
+def cost(names: Sequence[str]) -> str:
+    """How many problems are solved, and how long all of them take."""
+    return f"{len(names)} of {len(NAMES)} problems; all take {CPU_TIME}, compilation aside"
+
+
+def named(name: str) -> str:
+    """The name of a problem, if there is one of that name.
 
     Raises
     ------
     InputError
         One line with the closest name.
     """
-    if name not in problems:
-        near = difflib.get_close_matches(name, problems, n=1, cutoff=0.0)[0]
+    if name not in NAMES:
+        near = difflib.get_close_matches(name, NAMES, n=1, cutoff=0.0)[0]
         allowed = f"a verification problem; the closest is {near}"
         raise InputError("command line", "NAME", name, allowed)
-    return problems[name]
+    return name

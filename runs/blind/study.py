@@ -6,6 +6,8 @@
     python -m runs.blind.study answer                       its answers; commit runs/blind/answers*.json
     python -m runs.blind.study reduce     [--ladders 40]    whole diagnoses with an experiment held out
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
+    python -m runs.blind.study next                         answers to a first and a next experiment of every case
+    python -m runs.blind.study score_next                   opens the seal; the value of the next experiment
     python -m runs.blind.study restamp    --note "REASON"   the shipped layers, as of the present solver
 
 Every case belongs to a world, a laboratory with hidden physics and controls of its own. It is diagnosed twice, alone
@@ -24,17 +26,17 @@ import shutil
 import sys
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
-from fvcollapse.blind.answers import answer_of_report, answers, no_answer, write_answers
-from fvcollapse.blind.case_evidence import case_folders, design_of, study
-from fvcollapse.blind.causes import known_effects
-from fvcollapse.blind.comparisons import reduction_scores
+from fvcollapse.blind.answers import answers, no_answer, write_answers
+from fvcollapse.blind.case_evidence import case_folders, study
+from fvcollapse.blind.causes import BLIND, known_effects
 from fvcollapse.blind.distances import distances
+from fvcollapse.blind.labels import Draw
 from fvcollapse.blind.make import make
 from fvcollapse.blind.score import score
 from fvcollapse.blind.score_table import table, write_scores
-from fvcollapse.blind.seal import SEAL, read_seal
+from fvcollapse.blind.seal import SEAL
+from fvcollapse.blind.set_ups import BLIND_DESIGNS
 from fvcollapse.blind.simple_rules import SIMPLE
 from fvcollapse.blind.verdict_training import (
     cross_validated,
@@ -45,18 +47,18 @@ from fvcollapse.blind.verdict_training import (
     training_classes,
 )
 from fvcollapse.blind.worlds import SLIGHT
-from fvcollapse.diagnosis.analysis import REFINEMENTS
-from fvcollapse.diagnosis.diagnose import diagnose
-from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
-from fvcollapse.diagnosis.report import FILE_NAME, read_report
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.verdict_model import SHIPPED, SHIPPED_CONTROLS, VerdictModel, solver_of
-from fvcollapse.errors import InputError, NumericalError
+from fvcollapse.errors import InputError
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.files.targets import make_folder
 from fvcollapse.studies.workers import Resources
+from runs.blind.held_out import REDUCTIONS, reduce_gaps, scores_of_reductions
+from runs.blind.next_value import answer_next, score_next
+from runs.blind.options import add_options, options_of, refuse_again, refuse_other_seal
 from runs.study import Study
 from runs.study import main as call
 
-REDUCTIONS = "reductions.json"
 WAYS = {
     False: "",
     True: "_controls",
@@ -68,33 +70,6 @@ TRAINING_SUITES = {"training": (0.5, 1.0), "training_slight": (1.0, 0.6)}
 WITH_CONTROLS = ("training",)  # those that teach the layer of diagnoses with controls
 
 
-def add_options(parser):
-    """Options of this study."""
-    parser.add_argument("--per-class", type=int, default=18, help="cases of an effect; default 18")
-    parser.add_argument(
-        "--taught", type=int, default=240, help="training cases with controls; default 240"
-    )
-    parser.add_argument(
-        "--used-up",
-        metavar="FOLDER",
-        type=Path,
-        nargs="*",
-        default=[],
-        help="--out of blind suites that have been scored: more cases to fit",
-    )
-    parser.add_argument("--cases", type=int, default=240, help="blind cases; default 240")
-    parser.add_argument("--ladders", type=int, default=40, help="whole diagnoses; default 40")
-    parser.add_argument("--refinements", type=int, default=REFINEMENTS, help="see analyse")
-    parser.add_argument(
-        "--layer",
-        type=Path,
-        nargs="*",
-        default=[SHIPPED, SHIPPED_CONTROLS],
-        help="verdict layers to restamp",
-    )
-    parser.add_argument("--note", help="why a restamp is right; required by it")
-
-
 def make_training_suite(arguments):
     """Truths of the training worlds."""
     resources = Resources(arguments.workers, quiet=False)
@@ -102,17 +77,6 @@ def make_training_suite(arguments):
         seed = TRAINING_SEED + number
         classes = training_classes(round(part * arguments.per_class), seed)
         make_training(classes, arguments.out / name, seed, resources, slight_share)
-
-
-def options_of(arguments):
-    """What the diagnosis of every case shares."""
-    return {
-        "cache": arguments.cache,
-        "cell_size": arguments.cell_size,
-        "workers": arguments.workers,
-        "refinements": arguments.refinements,
-        "quiet": False,
-    }
 
 
 def compare(arguments, folder, suite, controls, only=None):
@@ -152,8 +116,13 @@ def table_of(scores):
 
 def make_blind_suite(arguments):
     """The blind suite, and a copy of its seal."""
+    if arguments.per_world < 1:
+        raise InputError("command line", "--per-world", f"{arguments.per_world}", "1, 2, 3, …")
     resources = Resources(arguments.workers, quiet=False)
-    seal = make(arguments.cases, arguments.out / "blind", resources=resources)
+    designs = tuple(design for design in BLIND_DESIGNS if min(design) in arguments.first)
+    draw = Draw(BLIND._replace(designs=designs), per_world=arguments.per_world)
+    seal = make(arguments.cases, arguments.out / "blind", draw=draw, resources=resources)
+    make_folder(arguments.tables.absolute())
     shutil.copyfile(seal, arguments.tables / SEAL)
     print(arguments.tables / SEAL)
 
@@ -162,9 +131,7 @@ def answer_blind_suite(arguments):
     """Answers of the diagnosis, alone and with controls, and of simple rules."""
     for controls, way in WAYS.items():
         path = arguments.tables / f"answers{way}.json"
-        if path.exists():
-            allowed = "no answers: a suite is answered once"
-            raise InputError(path, "file", "answers that are already there", allowed)
+        refuse_again(path)
         evidence = compare(arguments, arguments.out, "blind", controls)
         model = VerdictModel.load(controls=controls)
         if model is None:
@@ -183,38 +150,10 @@ def completed(answered, cases):
     return {case: answered.get(case) or no_answer(names) for case in cases}
 
 
-def reduce_gaps(arguments):
-    """Diagnose the first cases of several experiments, the last of which is held out."""
-    several = [case for case in case_folders(arguments.out / "blind") if len(design_of(case)) > 1]
-    answered = {}
-    for case in several[: arguments.ladders]:
-        report = held_out_report(case, arguments.out / "blind.reports" / case.name, arguments)
-        if report is not None:
-            answered[case.name] = answer_of_report(report)
-    write_answers(arguments.tables / REDUCTIONS, answered)
-    print(arguments.tables / REDUCTIONS)
-
-
-def held_out_report(case, folder, arguments):
-    """The report of a case, as it is there or new; None if a run that it needs fails."""
-    if (folder / FILE_NAME).exists():
-        return read_report(folder)
-    *fitted, held_out = (case / name for name in design_of(case))
-    options = options_of(arguments)
-    del options["refinements"]
-    try:
-        return diagnose(fitted, hold_out=[held_out], folder=folder, **options)
-    except NumericalError as error:
-        print(f"{case.name}: {error}", file=sys.stderr)
-        return None
-
-
 def score_answers(arguments):
     """Distances of the true causes, and all scores, alone and with controls."""
     folder, labels = arguments.out / "blind", arguments.out / "blind.labels.json"
-    published, present = (read_seal(place / SEAL) for place in (arguments.tables, folder))
-    if published != present:
-        raise InputError(folder / SEAL, "file", "another seal", f"that of {arguments.tables}")
+    refuse_other_seal(arguments)
     scores = {}
     for controls, way in WAYS.items():
         path = arguments.tables / f"distances{way}.json"
@@ -226,10 +165,7 @@ def score_answers(arguments):
         strengths = None if controls else (SLIGHT,)
         scores[NAMES_OF_WAYS[controls]] = score(folder, answered, labels, against, path, strengths)
     if (arguments.tables / REDUCTIONS).exists():
-        whole = json.loads((arguments.tables / REDUCTIONS).read_text(encoding="utf-8"))
-        named = [answer for answer in whole.values() if answer["verdict"] in NAMED]
-        rows = [answer["reduction"] for answer in named if "reduction" in answer]
-        scores["alone"]["reduction"] = reduction_scores(rows)
+        scores["controls"]["reduction"] = scores_of_reductions(arguments.tables / REDUCTIONS)
     write_scores(arguments.tables / "scores.json", scores)
     for name, each in scores.items():
         print(name, table(each), sep="\n")
@@ -258,6 +194,8 @@ STEPS = {
     "answer": answer_blind_suite,
     "reduce": reduce_gaps,
     "score": score_answers,
+    "next": answer_next,
+    "score_next": score_next,
     "restamp": restamp_verdict,
 }
 

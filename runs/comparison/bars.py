@@ -52,7 +52,7 @@ EFFECTS = {
 
 
 def bars(options):
-    """Write bars.csv: thickness of the deposit, front and failure line, computed less measured."""
+    """Write bars.csv and bars_profiles.csv: deposit, front and failure line, computed less measured; both curves."""
     folder = options.data / "lab" / "bui2008_aluminium_bars"
     surface, failure = table(folder / "deposit_surface.csv"), table(folder / "failure_line.csv")
     cases = {
@@ -63,13 +63,20 @@ def bars(options):
     results = run_cached(cases, options)
     measured = np.interp(AT, surface["x_m"], surface["h_m"])
     rows = [row_of("measured", "", measured, surface["x_m"][-1], "", "")]
+    curves = curve_rows("measured", "", "deposit", surface["x_m"], surface["h_m"])
+    curves += curve_rows("measured", "", "failure line", failure["x_m"], failure["h_m"])
     for (law, effect), result in results.items():
         x, h = result.profiles.x, result.profiles.thickness[-1]
+        still = never_moved(result.profiles)
+        wet = h > 0.0
+        curves += curve_rows(law, effect, "deposit", x[wet], h[wet])
+        curves += curve_rows(law, effect, "failure line", x[wet], still[wet])
         gap = np.interp(surface["x_m"], x, h) - surface["h_m"]
-        deep = np.interp(failure["x_m"], x, never_moved(result.profiles)) - failure["h_m"]
+        deep = np.interp(failure["x_m"], x, still) - failure["h_m"]
         front = front_position(x, h, FRONT)
         rows.append(row_of(law, effect, np.interp(AT, x, h), front, rms(gap), rms(deep)))
     write_table(options.tables / "bars.csv", rows)
+    write_table(options.tables / "bars_profiles.csv", curves)
     for row in rows:
         print("  ".join(str(value) for value in row.values()))
 
@@ -87,6 +94,15 @@ def row_of(law, effect, thickness, front, gap, deep):
         "rms_deposit": gap and round(1e3 * gap, 2),
         "rms_failure_line": deep and round(1e3 * deep, 1),
     }
+
+
+def curve_rows(law, effect, curve, x, height):
+    """Rows of a curve, lengths in m."""
+    first = {"law": law, "thin_layer": effect, "curve": curve}
+    return [
+        first | {"x": round(float(at), 4), "height": round(float(z), 5)}
+        for at, z in zip(x, height, strict=True)
+    ]
 
 
 def never_moved(profiles):

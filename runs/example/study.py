@@ -7,6 +7,7 @@ cause stands in the experiments (`[truth]`), where no diagnosis reads it.
 """
 
 import sys
+from functools import partial
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -16,7 +17,7 @@ from fvcollapse.diagnosis.report import write_report
 from runs.study import Study
 from runs.study import main as call
 
-EXPERIMENTS = Path("runs") / "experiments"  # from the root of the repository, which the report names
+EXPERIMENTS = Path("runs") / "experiments"  # from the root: the report names them
 FITTED = ("example_16deg_w10cm", "example_22deg_w10cm")
 HELD_OUT = ("example_22deg_w20cm",)
 
@@ -36,6 +37,8 @@ def answer(arguments):
 
 
 STUDY = Study("example", __doc__, {"diagnose": answer}, uses=("cache",), all_parts=True)
+main = partial(call, STUDY)
+
 
 if __name__ == "__main__":
-    sys.exit(call(STUDY))
+    sys.exit(main())

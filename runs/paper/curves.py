@@ -27,7 +27,7 @@ WINDOW = (0.25, 0.55, 0.08)  # m; part of the shear-rate field that is kept: x f
 def curves(result, member, refinement):
     """All `Curve`s of a result that the tables keep."""
     step = measures.STEP if "fronts" in member.keep else COARSE_STEP
-    found = [front(result, "runout", "front_m", step), deposit(result)]
+    found = [front(result, "runout", "front_m", step)]
     found += profile_curves(result, sorted(member.profiles))
     for name in member.keep:
         grids, function = KEPT[name]
@@ -50,12 +50,6 @@ def fronts(result):
         yield front(result, series, name, COARSE_STEP, 3)
 
 
-def deposit(result):
-    """The last thickness [mm]."""
-    profiles = result.profiles
-    return profile("deposit_mm", profiles.time[-1], profiles.x, profiles.thickness[-1], 0.02)
-
-
 def profile_curves(result, times):
     """Thickness and interface at some times [mm]; the interface where there is a static part."""
     x = result.profiles.x
@@ -66,11 +60,11 @@ def profile_curves(result, times):
             yield profile("static_mm", time, x, static)
 
 
-def profile(name, time, x, h, step=PROFILE_STEP):
+def profile(name, time, x, h):
     """A profile on equidistant abscissae, to the first bare one [mm]."""
-    count = int(np.ceil(x[bare_from(h) - 1] / step)) + 1
-    values = 1e3 * np.interp(step * np.arange(count), x, h, right=0.0)
-    return Curve(name, time, math.nan, "x_m", 0.0, step, values, 1)
+    count = int(np.ceil(x[bare_from(h) - 1] / PROFILE_STEP)) + 1
+    values = 1e3 * np.interp(PROFILE_STEP * np.arange(count), x, h, right=0.0)
+    return Curve(name, time, math.nan, "x_m", 0.0, PROFILE_STEP, values, 1)
 
 
 def bare_from(h):

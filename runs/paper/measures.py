@@ -1,7 +1,6 @@
 """What is read off curves and profiles: plateau of the front velocity, roughness, interface, bands.
 
-Pure functions of arrays, SI units, no files. Every threshold stands here by name; the statements
-quote them.
+Pure functions of arrays, SI units, no files. Every threshold stands here by name; statements quote them.
 """
 
 from typing import NamedTuple
@@ -20,6 +19,8 @@ PEAK_LEAST = 0.1  # of the peak; a plateau is at least that fast
 PEAK_MOST = 0.7  # of the peak; a plateau comes after a fast deceleration to this
 STEADY = 1.0 / 3.0  # of the mean deceleration; a plateau decelerates less
 PLATEAU_LEAST = 0.15  # s; a shorter slow phase is none
+ABOUT_PEAK = 0.9  # of the largest velocity; the part that gives the peak
+BENDS_FROM, BENDS_TO = 0.9, 0.2  # of the peak; the part of a deceleration that bends or does not
 STOPPED = 0.02  # m/s; a slower front has stopped
 FLOW_LEAST = 1.0e-3  # m; a thinner flowing layer is none
 ROUGH_LENGTH = 0.15  # m; undulations shorter than about this are roughness
@@ -42,7 +43,7 @@ def peak_index(velocity):
 def peak_time(velocity, step=STEP):
     """Time of the peak [s]: the middle of the stretch about it in which the velocity is above `NEAR_PEAK` of it.
 
-    The largest value itself is no time: the peak is flat, and what lies on top of it changes from grid to grid.
+    The largest value itself is no time: the peak is flat, and its top changes from grid to grid.
 
     Parameters
     ----------
@@ -60,6 +61,29 @@ def peak_time(velocity, step=STEP):
         start = crossing(velocity, int(before[-1]), level)
     end = crossing(velocity, int(after[0]) - 1, level) if after.size else len(velocity) - 1.0
     return 0.5 * (start + end) * step
+
+
+def peak_velocity(velocity, about=ABOUT_PEAK):
+    """Largest front velocity [m/s]: that of the least-squares parabola through what is near the largest value.
+
+    Parameters
+    ----------
+    velocity : (n,) array
+        Front velocity [m/s] at equidistant times, with a ripple of the cells; what is before 80 ms does not count.
+    about : float
+        Share of the largest value above which a velocity is near it; 1 gives the largest value itself.
+    """
+    peak = peak_index(velocity)
+    slow = np.flatnonzero(~(velocity > about * velocity[peak]))
+    before, after = slow[slow < peak], slow[slow > peak]
+    start = max(EARLIEST, int(before[-1]) + 1 if before.size else EARLIEST)
+    part = velocity[start : int(after[0]) if after.size else len(velocity)]
+    if part.size < 6:
+        return float(velocity[peak])
+    at = np.linspace(-1.0, 1.0, part.size)
+    found = np.polynomial.Polynomial.fit(at, part, 2, domain=[-1.0, 1.0])
+    places = np.append(found.deriv().roots().real, at[[0, -1]])
+    return float(found(places[np.abs(places) <= 1.0]).max())
 
 
 def crossing(values, index, level):
@@ -131,6 +155,29 @@ def tail_ratio(velocity):
     half = int(np.argmax(after < 0.5 * after[0]))
     stop = int(np.argmax(after < STOPPED))
     return (stop - half) / half if half > 0 and stop > 0 else float("nan")
+
+
+def convexity(velocity, start=BENDS_FROM, stop=BENDS_TO, about=ABOUT_PEAK):
+    """How a front bends while it slows down: change of the deceleration over its mean, from 0.9 to 0.2 of the peak.
+
+    Of the least-squares parabola through that part: 0 of a constant deceleration, above 0 where it is fast first and
+    slow then, below 0 where it is the other way round. A front slower than that passes fewer than three cells of 6 mm
+    in the 80 ms over which its velocity is taken. NaN where fewer than six values are left.
+
+    Parameters
+    ----------
+    velocity : (n,) array
+        Front velocity [m/s] at equidistant times.
+    start, stop, about : float
+        The part that counts, in shares of the peak; and what gives the peak, see `peak_velocity`.
+    """
+    after = velocity[peak_index(velocity) :] / peak_velocity(velocity, about)
+    first, last = (int(np.argmax(after < level)) for level in (start, stop))
+    part = after[first:last]
+    if part.size < 6:
+        return float("nan")
+    second, _, _ = np.polyfit(np.linspace(0.0, 1.0, part.size), part, 2)
+    return float(2.0 * second / (part[0] - part[-1]))
 
 
 def early_acceleration(time, velocity, low, high):

@@ -2,7 +2,7 @@
 
 The paper's reading is grains that slide on the bed, fronts at 5 mm. A statement is confirmed or refuted when this
 reading is and none contradicts it, and depends on the bed, or on the front, when two readings contradict each other. It
-cannot be told otherwise.
+cannot be told otherwise, nor when a reading contradicts with our limit and not with a little other one (`verdicts`).
 """
 
 from typing import NamedTuple
@@ -32,7 +32,8 @@ class Settled(NamedTuple):
         found = {key: statement.verdict for key, statement in self.readings.items()}
         decided = {verdict for verdict in found.values() if verdict != OPEN}
         if len(decided) < 2:
-            return self.paper.verdict
+            as_read = {statement.as_read for statement in self.readings.values()} - {OPEN}
+            return OPEN if as_read - {self.paper.verdict} else self.paper.verdict
         for front in FRONTS:
             if len({v for (_, mm), v in found.items() if mm == front and v != OPEN}) == 2:
                 return ON_BED

@@ -1,15 +1,17 @@
-"""The search for a slow phase of the front at 22 deg: combinations and their table.
+"""The search for a slow phase of the front at 22 deg: combinations, tables, fronts for the figure.
 
-Every combination is run on the cells asked for, and some of each kind on cells two thirds as large. What has a phase
-there, read at any thickness, is run on cells half as large.
+Every combination is run on the cells asked for, and some of each kind on cells two thirds and half as large.
 """
+
+import math
 
 import numpy as np
 
-from runs.paper.slow_front import LEAST_TIME, least_ratio, motion, slow_phase
-from runs.paper.slow_sets import FINER_SETS, all_sets
-from runs.study import add_rows, cost, run_settings
-from runs.table import read_table, to_float
+from fvcollapse.case.case import Case
+from runs.paper.slow_front import STEP, least_ratio, motion, slow_phase
+from runs.paper.slow_sets import FINER_SETS, SHOWN, all_sets
+from runs.study import add_rows, cost, finished_run, run_in_folders, run_settings
+from runs.table import CURVE, RUN, Curve, curve_row, write_table
 
 FRONTS = {"1mm": "runout_1mm", "5mm": "runout", "10mm": "runout_10mm"}  # series of a result
 FINER = (1.0, 1.5, 2.0)  # cells of 6, 4, 3 mm
@@ -18,29 +20,17 @@ LATE = 1.76  # s, the last time that the paper shows
 
 def search(options):
     """Run all combinations, some on finer grids; return what is missing."""
-    path, sets = options.tables / "slow_phase" / "phases.csv", all_sets()
-    missing, wanted = [], list(sets)
+    path, sets, settings = options.tables / "slow_phase" / "phases.csv", all_sets(), {}
     for finer in FINER:
         size = options.cell_size / finer
-        settings = {grid_name(name, size): sets[name] | {"grid.cell_size": size} for name in wanted}
-        missing += add_phases(path, settings, options)
-        rows = {row["name"]: row for row in read_table(path)}
-        wanted = [
-            name
-            for name in FINER_SETS
-            if finer == FINER[0] or has_phase(rows.get(grid_name(name, size)))
-        ]
-    return missing
+        for name in sets if finer == FINER[0] else FINER_SETS:
+            settings[grid_name(name, size)] = sets[name] | {"grid.cell_size": size}
+    return add_phases(path, settings, options) + write_speeds(options)
 
 
 def grid_name(name, size):
     """Name of a run of a combination on cells of one size [m]."""
     return f"{name}; {1e3 * size:g} mm"
-
-
-def has_phase(row):
-    """Whether a front of a row of the table has a phase, read at any thickness."""
-    return bool(row) and any(to_float(row[f"phase_{mm}_s"]) >= LEAST_TIME for mm in FRONTS)
 
 
 def add_phases(path, settings, options):
@@ -73,3 +63,35 @@ def phases(result):
             f"runout_{mm}_m": float(result.series[series][-1]),
         }
     return row | {"arrest_s": result.summary()["arrest_time"]}
+
+
+def write_speeds(options):
+    """Write how fast the fronts of the combinations of the figure are, on each grid; return what is missing.
+
+    What was run before is not run again.
+    """
+    rows, missing, sets, cases = [], [], all_sets(), {}
+    for name in SHOWN:
+        for finer in FINER:
+            size = options.cell_size / finer
+            at = options.out / "slow_phase" / grid_name(name, size)
+            cases[at] = Case().replace(**sets[name], **{"grid.cell_size": size})
+    run_in_folders(cases, options.workers)
+    for at in cases:
+        result, problem = finished_run(at)
+        if result is None:
+            missing.append(problem)
+            continue
+        size = result.case.grid.cell_size
+        name = at.name.rpartition("; ")[0]
+        first = {"case": name, "refinement": options.cell_size / size, "cell_size_mm": 1e3 * size}
+        rows += [curve_row(first, curve) for curve in speeds(result)]
+    write_table(options.tables / "slow_phase" / "speeds.csv", rows, (*RUN, *CURVE))
+    return missing
+
+
+def speeds(result):
+    """The `Curve`s of the speed of the fronts of a result [m/s]."""
+    for mm, series in FRONTS.items():
+        of = motion(result.time, result.series[series], result.case.grid.cell_size)
+        yield Curve(f"speed_{mm}_m_s", math.nan, math.nan, "t_s", 0.0, STEP, of.speed, 3)

@@ -90,6 +90,12 @@ FINER_SETS = (  # on finer grids: one of each kind that has a phase on 6 mm cell
     "0.48, 0.73; slides; 1 Pa s; w = 10 cm",
     "0.48, 0.73; slides; 2 Pa s; w = 10 cm",
 )
+SHOWN = (
+    "0.38, 0.64; no slip; mu(I); w = 10 cm",
+    "0.42, 0.67; no slip; mu(I); w = 10 cm",
+    "0.38, 0.64; no slip; 1 Pa s; w = 10 cm",
+    "0.48, 0.73; slides; 1 Pa s; w = 10 cm",
+)  # in the figure
 
 
 def collapse(friction, bed, law, walls, added=()):

@@ -20,7 +20,11 @@ def rough_surface(t):
     return rough_clauses(t, "muI", "above")
 
 
-@claim("17", "and not with constant viscosity", f"rms deviation below {ROUGH:g} mm, η_c = 0.4 Pa s")
+@claim(
+    "17",
+    "the surface at 22° does not oscillate with constant viscosity",
+    f"rms deviation below {ROUGH:g} mm, η_c = 0.4 Pa s",
+)
 def smooth_surface(t):
     return rough_clauses(t, "eta0.4", "below")
 
@@ -62,7 +66,7 @@ def near_hydrostatic(t):
 
 @claim(
     "18",
-    "equation 22 is clearly closer, for both viscosities",
+    "equation 22 is clearly closer to the pressure than the hydrostatic one",
     "its rms misfit over the flowing part at 1.5 s less than half of the hydrostatic one",
 )
 def equation_22_closer(t):
@@ -82,7 +86,7 @@ def equation_22_closer(t):
 
 @claim(
     "18",
-    "with the same precision for both",
+    "equation 22 is as precise for η_I as for 0.4 Pa s",
     "misfits of (22) differ by less than 2 % of the pressure",
 )
 def same_precision(t):
@@ -114,7 +118,7 @@ def shear_bands(t):
 
 @claim(
     "IX",
-    "profiles, interface and velocity range barely change",
+    "refinement barely changes profiles, interface and velocity range",
     "between the coarsest and cells a third as large: thickness and interface at 0.48 s by less "
     f"than {SAME:g} % of the pile, largest speed by less than {SAME:g} %",
 )

@@ -3,6 +3,10 @@
 Confirmed: beyond the limit by more than the grid uncertainty. Not confirmed: on the other side by
 as much. Between: cannot tell. A statement is confirmed when all its clauses are, not confirmed when
 one is not, and cannot be told otherwise, nor without any clause.
+
+A verdict must not hang on what a reader could as well have chosen otherwise. Of a limit that the paper does not state
+every value within a quarter counts, and of a number that is read in a window (the part of a curve about its peak, say)
+every window that is listed. Where two of these choices give two verdicts, one cannot tell.
 """
 
 import math
@@ -12,6 +16,7 @@ from runs.measured import Measured
 from runs.table import MissingRun
 
 FEW = 6  # clauses that are listed one by one
+OURS = 0.25  # of a limit that the paper does not state; another reader may set it so much lower or higher
 CONFIRMED, REFUTED, OPEN = "confirmed", "not confirmed", "cannot tell"
 
 
@@ -27,7 +32,12 @@ class Clause(NamedTuple):
     sense : str
         "above", "below" or "within".
     limit : float or (float, float)
+        Of "above" and "below", two numbers are the range in which a reader may set it.
     unit : str
+    of_paper : bool
+        The paper states the limit. Another one may be set otherwise, by `OURS`.
+    windows : tuple of (str, Measured)
+        The same number in other windows, with their names.
     """
 
     label: str
@@ -35,6 +45,8 @@ class Clause(NamedTuple):
     sense: str
     limit: float | tuple
     unit: str = ""
+    of_paper: bool = False
+    windows: tuple = ()
 
     @property
     def value(self):
@@ -48,34 +60,73 @@ class Clause(NamedTuple):
 
     @property
     def needed(self):
-        """The uncertainty below which one could tell: the distance to the nearest limit."""
-        limits = self.limit if isinstance(self.limit, tuple) else (self.limit,)
-        return min(abs(self.value - limit) for limit in limits)
+        """The uncertainty below which one could tell: the distance to the nearest limit; 0 among those allowed."""
+        both = self.sense == "within"
+        sides = (
+            zip(*self.limits, strict=True) if both else (self.limits,)
+        )  # all lower limits, all upper ones
+        return min(
+            max(min(side) - self.value, self.value - max(side), 0.0) for side in map(tuple, sides)
+        )
+
+    @property
+    def limits(self):
+        """All limits that a reader may set: numbers, or (low, high) of "within"."""
+        if self.of_paper:
+            return [self.limit]
+        shares = (1.0, 1.0 - OURS, 1.0 + OURS)
+        if self.sense == "within":
+            low, high = self.limit
+            middle, factor = math.sqrt(low * high), math.sqrt(high / low)
+            return [(middle / factor**share, middle * factor**share) for share in shares]
+        return self.limit if isinstance(self.limit, tuple) else [self.limit * of for of in shares]
 
     @property
     def verdict(self):
-        """One of the three verdicts."""
-        if math.isnan(self.value) or math.isnan(self.uncertainty):
-            return OPEN
-        if self.sense == "within":
-            low, high = self.limit
-            sides = [
-                self._replace(sense="above", limit=low),
-                self._replace(sense="below", limit=high),
-            ]
-            return combined([side.verdict for side in sides])
-        sign = 1.0 if self.sense == "above" else -1.0
-        beyond = sign * (self.value - self.limit)
-        if beyond > self.uncertainty:
-            return CONFIRMED
-        return REFUTED if beyond <= -self.uncertainty else OPEN
+        """That of all windows and limits, if it is the same; else one cannot tell."""
+        found = {self.verdict_in(of) for of in (self.measured, *dict(self.windows).values())}
+        return found.pop() if len(found) == 1 else OPEN
+
+    def verdict_in(self, measured):
+        """The verdict on the number of one window, with every limit that a reader may set."""
+        found = {against(measured, self.sense, limit) for limit in self.limits}
+        return found.pop() if len(found) == 1 else OPEN
+
+    @property
+    def as_read(self):
+        """The verdict with the first window and the first limit alone."""
+        return against(self.measured, self.sense, self.limits[0])
 
     def text(self):
-        """The label, the value and its uncertainty."""
+        """The label, the value and its uncertainty; and the number of a window that says otherwise."""
         if math.isnan(self.value):
             return f"{self.label} –".strip()
-        error = "?" if math.isnan(self.uncertainty) else f"{rounded(self.uncertainty)}"
-        return f"{self.label} {rounded(self.value)} ± {error}".strip()
+        text = f"{self.label} {told(self.measured)}".strip()
+        if self.verdict == self.verdict_in(self.measured):
+            return text
+        other = next(
+            of for of in self.windows if self.verdict_in(of[1]) != self.verdict_in(self.measured)
+        )
+        return f"{text} ({other[0]}: {told(other[1])})"
+
+
+def against(measured, sense, limit):
+    """The verdict on a number against one limit."""
+    if math.isnan(measured.value) or math.isnan(measured.uncertainty):
+        return OPEN
+    if sense == "within":
+        low, high = limit
+        return combined([against(measured, "above", low), against(measured, "below", high)])
+    beyond = (measured.value - limit) * (1.0 if sense == "above" else -1.0)
+    if beyond > measured.uncertainty:
+        return CONFIRMED
+    return REFUTED if beyond <= -measured.uncertainty else OPEN
+
+
+def told(measured):
+    """Value and uncertainty in words; "?" is one that is not known."""
+    error = "?" if math.isnan(measured.uncertainty) else rounded(measured.uncertainty)
+    return f"{rounded(measured.value)} ± {error}"
 
 
 def rounded(value):
@@ -119,6 +170,11 @@ class Statement(NamedTuple):
     def verdict(self):
         """One of the three verdicts."""
         return combined([clause.verdict for clause in self.clauses])
+
+    @property
+    def as_read(self):
+        """The verdict with the first windows and limits alone."""
+        return combined([clause.as_read for clause in self.clauses])
 
     def measured(self):
         """The numbers: of each clause, or of many the range and those that are not confirmed."""

@@ -22,26 +22,33 @@ def column_area(case):
     return case.geometry.height_0 * case.geometry.length_0
 
 
-def area_change(x, heights, case):
-    """Change of the area under profiles (n, nx) whose grains are seen at x (nx,), (n,)."""
-    return trapezoid(heights, x, axis=-1) / column_area(case) - 1.0
+def area(x, heights, case):
+    """Area under profiles (n, nx) whose grains are seen at x (nx,), over that of the column, (n,)."""
+    return trapezoid(heights, x, axis=-1) / column_area(case)
 
 
 def as_it_is(result):
-    """Of the profiles of the flow themselves."""
-    return area_change(result.profiles.x, result.profiles.thickness, result.case)
+    """Of the flow itself, by its own volume: profiles miss up to half a cell of a vertical face."""
+    return np.interp(result.profiles.time, result.time, result.series["relative_volume"])
+
+
+def changed(result, x, heights):
+    """Of profiles that are seen: what they hold more than those of the flow, added to the change of the flow."""
+    profiles, case = result.profiles, result.case
+    more = area(x, heights, case) - area(profiles.x, profiles.thickness, case)
+    return as_it_is(result) + more
 
 
 def from_a_side(result, view):
     """Of the profile that a camera at the "wall" or above the "centre" sees (`transverse_profile`)."""
     case = result.case.replace(**{"effects.transverse_profile.view": view})
-    return area_change(seen_place(result.profiles.x, case), result.profiles.thickness, case)
+    return changed(result, seen_place(result.profiles.x, case), result.profiles.thickness)
 
 
 def above(result, least):
     """Of what is at least as thick as `least` [m]; thinner parts are not seen."""
     h = result.profiles.thickness
-    return area_change(result.profiles.x, np.where(h >= least, h, 0.0), result.case)
+    return changed(result, result.profiles.x, np.where(h >= least, h, 0.0))
 
 
 def raised(result, zero):
@@ -58,7 +65,7 @@ def blurred(result, exposure):
     for n, start in enumerate(time):
         during = (time >= start) & (time <= start + exposure + 1e-9)
         highest[n] = h[during].max(axis=0)
-    return area_change(result.profiles.x, highest, result.case)
+    return changed(result, result.profiles.x, highest)
 
 
 def surface_speed(field, case):

@@ -12,8 +12,10 @@ tuned to a collapse. Parts:
     opened        diagnosis of these thirteen again, beside the causes that are told by now: opened.csv
     series        diagnosis of series of three slopes whose cause is withheld: series_answers.json
     thin_layers   all references without a hidden cause, with and without friction of thin layers: thin_layers.csv
+    thin_layers_finer   the same lengths on cells of 4 mm: thin_layers_finer.csv
     walls         friction of the walls in the model against walls of the grains: walls.csv
-    shape         which effect closes the gap of shape and volume at 10 and 16 deg: shape.csv
+    mobilised     friction that the walls of the model mobilise on average: mobilised.csv
+    shape         which effect closes the gap of shape and volume, in all references: shape.csv
     closures      cohesion and dilatancy beside the opened cases that hide them: closures.csv
 
 The pages of the reports, with their figures, go below --out. Runs are kept in the cache of runs: an
@@ -37,10 +39,11 @@ from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import align
 from runs.particle_laboratory.closures import closures
+from runs.particle_laboratory.mobilised import mobilised
 from runs.particle_laboratory.opened import opened
 from runs.particle_laboratory.series import ANSWERS, series
 from runs.particle_laboratory.shape import shape
-from runs.particle_laboratory.thin_layers import thin_layers
+from runs.particle_laboratory.thin_layers import thin_layers, thin_layers_finer
 from runs.particle_laboratory.walls import walls
 from runs.study import Study, run_cached
 from runs.study import main as call
@@ -253,7 +256,9 @@ STUDY = Study(
         "opened": partial(opened, baseline=BASELINE, controls=controls),
         "series": all_series,
         "thin_layers": partial(thin_layers, baseline=BASELINE, measures=measures),
+        "thin_layers_finer": partial(thin_layers_finer, baseline=BASELINE, measures=measures),
         "walls": partial(walls, baseline=BASELINE),
+        "mobilised": partial(mobilised, baseline=BASELINE),
         "shape": partial(shape, baseline=BASELINE),
         "closures": partial(closures, baseline=BASELINE),
     },
@@ -265,7 +270,9 @@ STUDY = Study(
         "opened",
         "series",
         "thin_layers",
+        "thin_layers_finer",
         "walls",
+        "mobilised",
         "shape",
         "closures",
     ),

@@ -111,3 +111,25 @@ def test_a_column_whose_corner_falls_on_a_node_is_whole(size):
     """h0 = 0.14 m and l0 = 0.20 m are multiples of these: no half cell is missing at the corner."""
     state = Simulation(Case().replace(**{"grid.cell_size": size})).state
     assert state.volume_0 == pytest.approx(0.14 * 0.20, rel=1e-7)
+
+
+def test_a_wall_that_grains_reach_later_stays_bare():
+    """A known limit: a block that spreads against the back wall leaves half a cell there, and feels no friction."""
+    block = [[0.06, 0.0], [0.26, 0.0], [0.26, 0.14], [0.06, 0.14]]
+    simulation = Simulation(
+        Case().replace(
+            **{
+                "geometry.polygon": block,
+                "geometry.slope_angle_deg": 0.0,
+                "gate.speed": math.inf,
+                "grid.cell_size": 0.01,
+            }
+        )
+    )
+    while simulation.state.time < 0.3 - 1e-9:
+        simulation.advance(0.3)
+    first, second = simulation.geometry.filled[:2].sum(axis=1) * 0.01
+    assert second == pytest.approx(0.075, abs=0.003)
+    assert first == pytest.approx(0.5 * second, rel=0.02)
+    assert not simulation.geometry.wall_cover.any()
+    assert simulation.state.work_back_wall == 0.0

@@ -37,6 +37,8 @@ BAD_OVERRIDES = {
     "geometry.height_0={x = 1}": ("geometry.height_0", "a table", "a number"),
     "rheology.law=bingam": ("rheology.law", '"bingam"', '"bingham"'),
     "rheology.mu_2=0.1": ("rheology.mu_2", "0.1", "rheology.mu_1"),
+    "effects.thin_layer.length=0": ("effects.thin_layer.length", "0", "a number > 0"),
+    'effects.thin_layer.closure="thick"': ("effects.thin_layer.closure", '"thick"', '"nonlocal"'),
 }
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import logging
 import os
 import pickle
 import shutil
@@ -17,6 +18,7 @@ from fvcollapse.case.case import Case
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.output import run as output
 from fvcollapse.output.checkpoint import read_checkpoint
+from fvcollapse.output.run_folder import usable_checkpoint
 
 try:
     import fcntl
@@ -171,19 +173,26 @@ BROKEN_CHECKPOINT = BROKEN | {
 
 
 @pytest.mark.parametrize("name", sorted(BROKEN_CHECKPOINT))
+def test_broken_checkpoint_is_one_line_and_not_used(folder, caplog, name):
+    path = folder / "checkpoint.h5"
+    BROKEN_CHECKPOINT[name](path)
+    with pytest.raises(InputError) as error:
+        read_checkpoint(path)
+    assert "\n" not in str(error.value)
+    assert usable_checkpoint(folder, logging.getLogger("fvcollapse.test")) is None
+    assert "checkpoint not usable, the run starts from t = 0: " in caplog.text
+
+
+# of the file, of its header, of the state: what follows is the same for all
+@pytest.mark.parametrize("name", ["half", "case_missing", "state_missing"])
 def test_broken_checkpoint_restarts_from_zero_with_a_warning(case, folder, tmp_path, name):
     whole = (folder / "result.h5").rename(tmp_path / "whole.h5")
     BROKEN_CHECKPOINT[name](folder / "checkpoint.h5")
-    try:
-        read_checkpoint(folder / "checkpoint.h5")
-    except InputError:
-        output.run_case(case, folder, resume=True, quiet=True)
-        log = (folder / "run.log").read_text()
-        assert "WARNING checkpoint not usable" in log
-        assert log.count("start from t = 0") == 2
-        assert differences(whole, folder / "result.h5") == []
-    else:
-        pytest.fail("accepted")
+    output.run_case(case, folder, resume=True, quiet=True)
+    log = (folder / "run.log").read_text()
+    assert "WARNING checkpoint not usable" in log
+    assert log.count("start from t = 0") == 2
+    assert differences(whole, folder / "result.h5") == []
 
 
 def test_broken_result_beside_a_good_checkpoint_is_rewritten(case, folder, tmp_path):

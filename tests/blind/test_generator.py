@@ -170,7 +170,7 @@ def test_a_suite_of_one_case_is_possible():
 def test_what_is_stated_is_an_experiment(name, tmp_path):
     folder = tmp_path / name
     folder.mkdir()
-    (folder / "experiment.toml").write_text(settings_text(name, "careful"))
+    (folder / "experiment.toml").write_text(settings_text(SET_UPS[name], "careful"))
     (folder / "front.csv").write_text("t_s,x_front_m\n0,0.2\n0.1,0.3\n")
     experiment = load_experiment(folder)
     case = experiment.case()
@@ -179,5 +179,5 @@ def test_what_is_stated_is_an_experiment(name, tmp_path):
     assert experiment.standard_deviation("mu_1") == 0.015
     assert not any(getattr(case.effects, effect) for effect in CATALOGUE)
     assert not experiment.has_common("height_0")
-    (folder / "experiment.toml").write_text(settings_text(name, "one_tank"))
+    (folder / "experiment.toml").write_text(settings_text(SET_UPS[name], "one_tank"))
     assert load_experiment(folder).has_common("height_0")

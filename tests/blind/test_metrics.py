@@ -151,9 +151,14 @@ def test_predicted_and_actual_reduction():
         {"predicted": 0.2, "actual": 0.3, "runner_up": 0.5},
         {"predicted": 0.9, "actual": 0.5, "runner_up": None},
         {"predicted": None, "actual": 0.5, "runner_up": 0.1},
+        {"actual": 1.0, "predicted": 0.88, "winner": 1.0, "runner_up": 1.0}
+        | {"winner_left": 0.7, "runner_up_left": 0.9},  # both close all that is beyond the noise
     ]
     scores = reduction_scores(rows)
-    assert scores["within_tolerance"]["value"] == pytest.approx(2 / 3)
-    assert scores["winner_beats_runner_up"]["value"] == pytest.approx(2 / 3)
-    assert scores["rms"]["value"] == pytest.approx(np.sqrt((0.01 + 0.01 + 0.16) / 3))
+    assert scores["within_tolerance"]["value"] == pytest.approx(3 / 4)
+    assert scores["within_narrow"]["value"] == pytest.approx(2 / 4)
+    assert scores["winner_beats_runner_up"]["value"] == pytest.approx(2 / 4)
+    left = scores["winner_leaves_less"]
+    assert (left["value"], left["n"]) == (1.0, 1)
+    assert scores["rms"]["value"] == pytest.approx(np.sqrt((0.01 + 0.01 + 0.16 + 0.0144) / 4))
     assert reduction_scores([])["rms"] is None

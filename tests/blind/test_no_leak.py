@@ -17,7 +17,7 @@ from fvcollapse.measure.experiment import load_experiment
 MODULES = [path for path in files_in("fvcollapse") if path.parent.name != "blind"]
 # what the commands know of the blind package: how to make and score, nothing of a suite
 COMMANDS = {
-    PACKAGE / "commands" / "blind_make.py": {"make"},
+    PACKAGE / "commands" / "blind_make.py": {"make", "seal"},
     PACKAGE / "commands" / "blind_score.py": {"score", "score_table"},
 }
 

@@ -8,7 +8,7 @@ import pytest
 
 import fvcollapse
 from fvcollapse.__main__ import main
-from fvcollapse.verification import problem, problem_names, verify
+from fvcollapse.verification import problem, verify
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.terms import TERMS
 
@@ -33,16 +33,18 @@ SLOW = {
 # cells where they need not be many: at the bed of a uniform layer the stress is that of its weight on any grid. The
 # error is that of the halvings of the interval and of creep: 0.002 on 4 and on 8 cells, 0.006 on 16
 ANY_GRID = {"adhesive_layer_stop": 4}
+# two grids show an order; that of this problem is 1.77 on two and 2.04 on three
+FIRST_IS_COARSE = {"manufactured_surface_pressure"}
 
 
 def on_coarse_grids(whole):
-    """The same problem on three grids, its tolerance scaled with the order from the finest of all grids.
+    """The same problem on its first grids, its tolerance scaled with the order from the finest of all grids.
 
-    Where no order is expected the error on the last of them alone is judged: the others are not solved.
+    Where no order is expected the error on the third alone is judged: the others are not solved.
     """
-    grids = whole.grids[:3]
     if whole.expected_order is None:
-        return whole._replace(grids=(ANY_GRID.get(whole.name, grids[-1]),))
+        return whole._replace(grids=(ANY_GRID.get(whole.name, whole.grids[:3][-1]),))
+    grids = whole.grids[: 3 if whole.name in FIRST_IS_COARSE else 2]
     scale = (whole.grids[-1] / grids[-1]) ** whole.expected_order
     return whole._replace(grids=grids, tolerance=whole.tolerance * scale)
 
@@ -101,7 +103,7 @@ def test_unknown_problem_is_refused(capsys):
 
 
 def test_names_are_unique():
-    assert len(set(problem_names())) == len(PROBLEMS) >= 20
+    assert len({problem.name for problem in PROBLEMS}) == len(PROBLEMS) >= 20
 
 
 def test_every_term_has_a_problem_and_a_file(tmp_path):
@@ -128,4 +130,5 @@ def test_interrupted_table_keeps_what_is_solved(tmp_path, monkeypatch, capsys):
     assert "bed_slip" in Path(f"{path}.md").read_text()
     captured = capsys.readouterr()
     assert "bed_slip" in captured.out
-    assert captured.err == "stopped after 1 of 3 problems\ninterrupted\n"
+    assert captured.err.startswith("3 of ")
+    assert captured.err.splitlines()[1:] == ["stopped after 1 of 3 problems", "interrupted"]

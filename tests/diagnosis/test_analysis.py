@@ -113,11 +113,6 @@ def test_the_evidence_of_some_effects_is_that_without_the_others(walls):
     assert with_known(walls, layer) == (walls, None)
 
 
-def test_the_same_data_give_the_same_answer(tmp_path, walls):
-    again = analysed(tmp_path, SET_UPS[:2], effects={"lateral_friction": {"mu_wall": 0.22}})
-    assert again.evidence.log_evidence() == pytest.approx(walls.evidence.log_evidence())
-
-
 def test_bounds_alone_can_be_diagnosed(tmp_path):
     """As of the paper's experiments: the runout is less than something, nothing else is known."""
     folder = only_numbers(film(tmp_path / "bounds"), "runout,0.9,0.01,upper")

@@ -9,6 +9,7 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 from msgspec.structs import replace
+from page_in_browser import BROWSER, WIDTHS, measured
 from report_example import EFFECTS, FITTED, HELD_OUT, example, with_remainder
 
 from fvcollapse.diagnosis.gap_map import Region as MapRegion
@@ -34,6 +35,11 @@ from fvcollapse.errors import OutputError
 from fvcollapse.measure.quantities import QUANTITIES
 from fvcollapse.studies.standing import StandingWorkers
 
+needs_browser = pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium: the layout of the report is not tested"
+)
+LONGEST = {1280: 9000, 768: 11000, 390: 13500}  # pixels, as it opens
+SMALLEST = 8.0  # pixels: letters in a figure on a telephone
 CHAPTERS = ("which", "far", "where", "next", "overlays", "compared", "alike", "limits", "cost")
 VOID = {"meta", "br", "img", "link", "input", "hr"}
 
@@ -78,6 +84,11 @@ def small(kind="effect", experiments=(FITTED[2], HELD_OUT[0]), observables=("fro
         if one.experiment in experiments and one.observable in (*observables, "runout")
     ]
     return replace(report, details=replace(report.details, comparisons=kept))
+
+
+def slim(report):
+    """Without the figures that depend on neither curves nor verdict, which are drawn for `page`."""
+    return replace(report, details=replace(report.details, separability=None, budget={}))
 
 
 def written(report, folder, draw=None):
@@ -197,7 +208,7 @@ def test_every_figure_is_on_the_page_and_in_the_folder(page, folder, drawn):
 
 @pytest.mark.parametrize("kind", ["several", "none", "unknown"])
 def test_other_verdicts(kind, tmp_path):
-    report = small(kind, experiments=(FITTED[0],), observables=("front",))
+    report = slim(small(kind, experiments=(FITTED[0],), observables=("front",)))
     page = written(report, tmp_path)
     assert sentences.headline(report) in page.text
     assert all(line in page.text for line in sentences.answer(report))
@@ -222,7 +233,7 @@ def test_single_numbers_alone_make_a_page(tmp_path):
 
 def test_no_input_breaks_out_of_its_text(tmp_path):
     evil = '<script>alert("$x_1$")</script>&amp;"\'>'
-    report = small(experiments=(FITTED[0],), observables=("front",))
+    report = slim(small(experiments=(FITTED[0],), observables=("front",)))
     name = report.experiments[0]
     set_ups = report.details.set_ups
     set_ups = set_ups | {name: replace(set_ups[name], title=evil, source=evil)}
@@ -234,7 +245,7 @@ def test_no_input_breaks_out_of_its_text(tmp_path):
 
 def test_an_experiment_may_have_any_name(tmp_path):
     """A folder's name becomes the name of a file and a label of a figure."""
-    report = small(experiments=(FITTED[0],), observables=("front", "profiles"))
+    report = slim(small(experiments=(FITTED[0],), observables=("front", "profiles")))
     odd = "run $1 <b>/ä"
     text = to_json(report).replace(FITTED[0], odd)
     path = tmp_path / "report.json"
@@ -494,7 +505,7 @@ def test_oddities_stand_above_what_was_compared(page, tmp_path):
 @pytest.fixture(scope="module")
 def few():
     """A report of few figures, and these."""
-    report = small(experiments=(FITTED[0],), observables=("front",))
+    report = slim(small(experiments=(FITTED[0],), observables=("front",)))
     return report, pictures(report)
 
 
@@ -550,3 +561,52 @@ def test_the_size_in_practice_stands_beside_the_statistics(tmp_path):
         "Beyond noise and calibration (root mean square): thickness 0.34 cm; two codes for the same equations "
         "differ by thickness 0.2 cm."
     ) in where
+
+
+# -- in a browser --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def laid_out(page, folder, tmp_path_factory):
+    """{width: what the browser measured}."""
+    return measured(folder / "report.html", tmp_path_factory.mktemp("browser"))
+
+
+@needs_browser
+@pytest.mark.parametrize("width", WIDTHS)
+def test_nothing_is_wider_than_the_window(laid_out, width):
+    assert laid_out[width]["scroll"] <= laid_out[width]["width"] <= width
+
+
+@needs_browser
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_page_is_short_as_it_opens(laid_out, width):
+    """All but the first experiment are folded."""
+    assert laid_out[width]["height"] <= LONGEST[width]
+    opened = laid_out[width]["open"]
+    assert opened == [True, False] * (len(opened) // 2)
+
+
+@needs_browser
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_answer_is_on_the_first_screen_and_effects_follow(laid_out, width):
+    ids = laid_out[width]["ids"]
+    assert ids["answer"]["top"] < 300
+    order = ["answer", "which", "far", "where", "next", "overlays", "compared", "limits", "words"]
+    tops = [ids[name]["top"] for name in order]
+    assert tops == sorted(tops)
+
+
+@needs_browser
+def test_bars_stand_beside_the_answer_where_there_is_room(laid_out):
+    wide, narrow = (laid_out[width]["ids"] for width in (1280, 390))
+    assert wide["bars"]["left"] >= wide["answer"]["right"]
+    assert abs(wide["bars"]["top"] - wide["answer"]["top"]) < 5
+    assert narrow["bars"]["top"] >= narrow["answer"]["bottom"]
+
+
+@needs_browser
+def test_letters_of_figures_can_be_read_on_a_telephone(laid_out):
+    letters = laid_out[390]["letters"]
+    assert len(letters) > 50
+    assert min(letters) >= SMALLEST

@@ -14,7 +14,7 @@ from report_example import EFFECTS, example
 from fvcollapse.diagnosis.names import BASELINE, NONE, RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
 from fvcollapse.diagnosis.report import sentences
 from fvcollapse.diagnosis.report import standing as module
-from fvcollapse.diagnosis.report.bars import bars
+from fvcollapse.diagnosis.report.bars import bars, ranking_note
 from fvcollapse.diagnosis.report.certainty import certainty
 from fvcollapse.diagnosis.report.report_file import read_report
 from fvcollapse.diagnosis.report.schema import (
@@ -25,7 +25,7 @@ from fvcollapse.diagnosis.report.schema import (
     Rung,
     Verdict,
 )
-from fvcollapse.diagnosis.report.words import percent
+from fvcollapse.diagnosis.report.words import hypothesis_name, percent
 
 ROOT = Path(__file__).parents[2]
 REPORTS = sorted((ROOT / "runs").rglob("report.json"))
@@ -128,6 +128,8 @@ def check(report):
         assert "no significant gap" not in f"{text} {parts.closed}"
     check_bars(report, told)
     check_closed(report, parts)
+    check_certainty(report, state, told, parts.certainty)
+    check_ranking(report)
 
 
 def check_bars(report, told):
@@ -148,6 +150,47 @@ def check_closed(report, parts):
             if rung.effects and rung.fitted.fraction_closed is not None
         ]
         assert f"closes most: {percent(max(fractions))} of" in parts.closed
+
+
+def check_certainty(report, state, told, text):
+    """Every probability in "How sure" is that of its cause, and none is above that of the headline's first."""
+    first = next(iter(told), NONE)
+    if state == module.OPEN:
+        assert f"the first has {told[first]}." in text
+    following = re.search(r"; next is ([a-z ]+?)( without [a-z ,]+)? with (.?\d+ %)", text)
+    if following:
+        cause = cause_of(following[1])
+        both = sum(
+            chance
+            for name, chance in report.verdict.probability.items()
+            if cause in name.split("+") and not set(told) & set(name.split("+"))
+        )
+        assert following[3] == percent(both), text
+        assert bool(following[2]) == (percent(both) != percent(total(report, cause)))
+        assert cause not in told
+    if state in (module.NAMED, module.LEANING) and first not in (NONE, UNKNOWN):
+        assert text.startswith(f"{hypothesis_name(first)} {told[first]}")
+    is_firm = "The cause is confirmed" in text
+    assert is_firm <= (state in (module.NAMED, module.LEANING))
+
+
+def check_ranking(report):
+    """Where a note says that evidence would rank otherwise, its numbers are those of the report."""
+    note = ranking_note(report)
+    if note:
+        told = re.search(r"by (\d+\.\d) in the logarithm\. .*\((.*) against (.*)\) because", note)
+        known = report.details.hypotheses
+        named = {
+            name: known[name].log_evidence for name in report.verdict.probability if name in known
+        }
+        named = {name: value for name, value in named.items() if value is not None}
+        first = max(report.verdict.probability, key=report.verdict.probability.get)
+        strongest = max(named, key=named.get)
+        assert told[1] == f"{named[strongest] - named[first]:.1f}"
+        chances = [report.verdict.probability[name] for name in (first, strongest)]
+        assert list(told.groups()[1:]) == [percent(chance) for chance in chances]
+        divisor = report.details.temperature
+        assert divisor is None or divisor == 1.0 or f"divided by {divisor:g} here" in note
 
 
 # -- stored, sealed, generated -------------------------------------------------------------------

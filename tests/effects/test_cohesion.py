@@ -12,7 +12,7 @@ from effect_runs import centre_of_mass, collapse, same_to_the_last_bit
 
 from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
-from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
+from fvcollapse.measure.series_readings import ENERGY_SPENT, LOSSES
 from fvcollapse.verification import exact
 from fvcollapse.verification.flows import layer, layer_case, run_until, run_until_steady
 

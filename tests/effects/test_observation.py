@@ -12,8 +12,8 @@ from fvcollapse import observe, run
 from fvcollapse.case.case import Case
 from fvcollapse.effects.front_saltation import correlated_scatter
 from fvcollapse.errors import CaseError
-from fvcollapse.measure.observables import front_velocity, peak_front_velocity
 from fvcollapse.measure.observation import flow_case, seen_front
+from fvcollapse.measure.series_readings import front_velocity, peak_front_velocity
 from fvcollapse.step.grid import gate_column, spacing
 from fvcollapse.verification.flows import layer, layer_case, run_until
 

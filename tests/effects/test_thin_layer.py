@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from effect_runs import centre_of_mass, collapse
 from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
 
 from fvcollapse.case.case import Case
 from fvcollapse.errors import CaseError
@@ -42,6 +43,43 @@ def test_layers_of_eighteen_particles(angle):
     assert flows(layer_case(depth / 8, depth, **changes), depth)
     case = layer_case(depth / 8, depth, **changes, effects__thin_layer={"length": LENGTH})
     assert flows(case, depth) == (angle > 26.0)
+
+
+def stops_at(closure, length):
+    """Slope (deg) at which 18 diameters of the particles stop."""
+
+    def above(slope):
+        changes = {**PARTICLES, "geometry__slope_angle_deg": slope}
+        effect = {"length": length, "closure": closure}
+        case = layer_case(0.01, 1.0, **changes, effects__thin_layer=effect)
+        return exact.stopping_thickness(case) - 18 * 0.007
+
+    return brentq(above, 24.2, 30.0)
+
+
+def test_lengths_that_the_chute_of_the_particles_allows():
+    """It stops at 26 and flows at 27 deg: 2.31 to 3.85 d with `thickness`, of which 2.31 d is the least."""
+    assert stops_at("thickness", LENGTH) == pytest.approx(26.0, abs=0.01)
+    assert stops_at("thickness", 3.85) == pytest.approx(27.0, abs=0.01)
+    assert stops_at("thickness", 3.05) == pytest.approx(26.5, abs=0.01)
+    beyond = {3.6: 26.85, 4.0: 27.09, 5.0: 27.65}
+    for length, slope in beyond.items():
+        assert stops_at("thickness", length) == pytest.approx(slope, abs=0.01)
+
+
+def test_the_nonlocal_closure_needs_a_length_of_its_own_in_that_chute():
+    """With 2.31 d 18 diameters stop at 24.3 deg in place of 26 to 27; that takes 8.6 to 10.7 d."""
+    assert stops_at("nonlocal", LENGTH) == pytest.approx(24.27, abs=0.01)
+    assert stops_at("nonlocal", 8.59) == pytest.approx(26.0, abs=0.01)
+    assert stops_at("nonlocal", 10.69) == pytest.approx(27.0, abs=0.01)
+    depth = 18 * 0.007
+    changes = {**PARTICLES, "geometry__slope_angle_deg": 25.5}
+    for length, flowing in ((LENGTH, True), (10.0, False)):
+        effect = {"length": length, "closure": "nonlocal"}
+        assert (
+            flows(layer_case(depth / 8, depth, **changes, effects__thin_layer=effect), depth)
+            == flowing
+        )
 
 
 @pytest.mark.parametrize("mu_bed", [math.inf, 0.382])
@@ -213,6 +251,25 @@ def test_velocity_of_a_layer_above_a_rough_bed():
     )
     assert u == pytest.approx(expected, abs=0.02 * expected.max())
     assert expected.max() < 0.9 * exact.bagnold(case, z).max()
+
+
+@pytest.mark.parametrize(("slope", "factor"), [(22.0, 5.0), (24.0, 3.2), (27.0, 2.6)])
+def test_a_thick_nonlocal_layer_is_slowed_by_length_over_thickness(slope, factor):
+    """Its mean speed is 1 - factor L/h of that of mu(I), so 1 % takes 260 to 500 L: 0.3 to 0.6 m of beads."""
+    for ratio in (64.0, 256.0):
+        depth = ratio * 1.65 * 7e-4
+        case = layer_case(
+            depth / 8,
+            depth,
+            **{**BEADS, "geometry__slope_angle_deg": slope},
+            effects__thin_layer={"closure": "nonlocal"},
+        )
+        z = np.linspace(0.0, depth, 801)
+        slower = 1.0 - np.trapezoid(rough_profile(case, z), z) / np.trapezoid(
+            exact.bagnold(case, z), z
+        )
+        assert slower * ratio == pytest.approx(factor, rel=0.02)
+        assert slower > 0.01
 
 
 # -- what is refused -----------------------------------------------------------------------------

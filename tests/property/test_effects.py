@@ -9,7 +9,7 @@ from effect_runs import collapse
 from fvcollapse.case.case import Case
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import PHYSICAL
-from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
+from fvcollapse.measure.series_readings import ENERGY_SPENT, LOSSES
 from fvcollapse.simulation import Simulation
 
 FLOWING = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]

@@ -26,6 +26,7 @@ CASES = {
     "ensemble": {"time.step_max": 4e-3},
     "dilatancy": {"time.step_max": 4e-3, "effects.dilatancy": {"dilatancy_factor": 3.0}},
     "thin layers": {"time.step_max": 4e-3, "effects.thin_layer": {}},
+    "thin layers, nonlocal": {"time.step_max": 4e-3, "effects.thin_layer": {"closure": "nonlocal"}},
 }
 END = 0.4
 LANDING = 0.02  # s between two calls, as of the output

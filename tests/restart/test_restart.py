@@ -95,7 +95,7 @@ def test_stopped_and_resumed_is_uninterrupted(
 
 
 def test_stopped_many_times_is_uninterrupted(case, whole, fake, monkeypatch, tmp_path):
-    for step in range(2, 60, 5):
+    for step in range(2, 60, 8):
         with monkeypatch.context() as patch, contextlib.suppress(KeyboardInterrupt):
             patch.setattr(output, "Simulation", stop_at(step, KeyboardInterrupt()))
             output.run_case(case, tmp_path / "parts", resume=True, quiet=True)
@@ -223,6 +223,7 @@ def kill_and_resume(case, tmp_path, *kind):
     return folder, kills
 
 
+@pytest.mark.slow
 def test_sigkill_and_resume_is_uninterrupted(case, whole, fake, tmp_path):
     folder, kills = kill_and_resume(case, tmp_path, "fake")
     assert kills >= 2

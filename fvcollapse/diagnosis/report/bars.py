@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import UNKNOWN, effects_of
+from fvcollapse.diagnosis.report.certainty import is_calibrated
 from fvcollapse.diagnosis.report.sentences import tried
 from fvcollapse.diagnosis.report.standing import alone, standing
 from fvcollapse.diagnosis.report.words import hypothesis_name, percent
@@ -65,7 +66,7 @@ def ranking_note(report: "Report") -> str:
 
 def reason(report: "Report", strongest: str, first: str) -> str:
     """What weighs against the evidence: the prior of a hypothesis, and how evidence counts."""
-    if any(one.conformal_p is not None for one in report.details.hypotheses.values()):
+    if is_calibrated(report):
         return (
             "the verdict layer has learned from simulated cases with known causes how often so much evidence "
             "stands against the true cause, and what remains of the gap counts as well."

@@ -33,7 +33,9 @@ def certainty(report: "Report") -> str:
     parts = [probability_words(report, stand), *given_up_words(report, stand)]
     confirmation = report.details.confirmation
     if confirmation is not None and stand.causes[0] in report.verdict.effects:
-        parts.append(f"{wording(confirmation)}: {listed(confirmation.reasons)}.")
+        added = listed(hypothesis_name(name) for name in report.verdict.effects)
+        start = f"With {added} added" if stand.state == OPEN else wording(confirmation)
+        parts.append(f"{start}: {listed(confirmation.reasons)}.")
     return " ".join([*parts, *weak_words(report)])
 
 
@@ -44,9 +46,11 @@ def probability_words(report: "Report", stand: "Standing") -> str:
         return f"no cause is clearly ahead; the first has {percent(shares[causes[0]])}."
     others = beside(may_be_named(report), causes)
     name, chance = next(iter(others.items()), ("", 0.0))
-    following = (
-        f"; next is {hypothesis_name(name)} with {percent(chance)}" if chance >= NEXT else ""
-    )
+    following = ""
+    if chance >= NEXT:
+        apart = percent(chance) != percent(shares[name])
+        alone = f" without {listed(map(hypothesis_name, causes))}" if apart else ""
+        following = f"; next is {hypothesis_name(name)}{alone} with {percent(chance)}"
     stated = listed(f"{hypothesis_name(cause)} {percent(shares[cause])}" for cause in causes)
     if state == NOTHING:
         return (

@@ -44,7 +44,8 @@ def report_of(
     analysis : Analysis
     verdict : Verdict
     ladder : Ladder
-    choices : list of Choice, the best measurement first
+    choices : list of Choice
+        What to measure next, the best first.
     cost : Cost
     model : VerdictModel, optional
         What the verdict was made with.

@@ -185,13 +185,13 @@ def meaning_of(causes: Iterable[str]) -> str:
 
 
 def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
-    """One sentence for each group with one of the causes, of those that overlap the largest: alike, or left open."""
+    """One sentence for each group of hypotheses that holds a named cause; of overlapping groups only the largest."""
     classes = report.details.separability.classes if report.details.separability else []
     groups: list[Sequence[str]] = []
     for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
         if set(causes) & set(group) and not any(set(group) & set(other) for other in groups):
             groups.append(group)
-    alike = [any(set(group) <= set(each) for each in classes) for group in groups]
+    alike = [not classes or any(set(group) <= set(each) for each in classes) for group in groups]
     return [
         f"These data {'cannot tell apart ' if same else 'leave open '}{joined(group)}."
         for group, same in zip(groups, alike, strict=True)

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +24,12 @@ from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.studies.bench.case_list import NO_EFFECT, cases, effect_cases, shortened, until
 from fvcollapse.studies.bench.report import growth, table
+from fvcollapse.studies.estimate import duration, run_seconds
 from fvcollapse.studies.sweep import sweep
 from fvcollapse.studies.workers import Resources
 from fvcollapse.version import __version__
+
+COMPILATION = 76.0  # s; of all kernels, as `runs/bench` has measured it
 
 __all__ = ["run_bench", "run_member", "table"]
 
@@ -83,9 +86,14 @@ def refuse_failure(done: Any) -> None:
         raise NumericalError(f"a case of the benchmark failed: {reason[0]}")
 
 
+def sweep_case() -> Case:
+    """The case of the sweep of 8 runs, but for its slope."""
+    return Case().replace(**{"grid.cell_size": 0.006, "time.end": 2.0, "time.field_interval": 2.0})
+
+
 def sweep_times() -> dict:
     """Wall time of a sweep of 8 runs on 6 mm cells with one and with two processes, s, and their ratio."""
-    case = Case().replace(**{"grid.cell_size": 0.006, "time.end": 2.0, "time.field_interval": 2.0})
+    case = sweep_case()
     slopes = {"geometry.slope_angle_deg": [15.0 + number for number in range(8)]}
     seconds = {}
     for workers in (1, 2):
@@ -98,6 +106,17 @@ def sweep_times() -> dict:
         "two_cores_s": seconds[2],
         "ratio": seconds[1] / seconds[2],
     }
+
+
+def cost(chosen: Mapping[str, Case], effects: bool = False, all_of_them: bool = False) -> str:
+    """How many cases are run, and how long that takes with all that is measured beside them."""
+    seconds = sum(2.0 * run_seconds(case) for case in chosen.values())  # a second, timed run each
+    seconds += 0.0 if effects else COMPILATION
+    seconds += 12.0 * run_seconds(sweep_case()) if all_of_them else 0.0  # 8 on one core, 4 on two
+    cases = "1 case" if len(chosen) == 1 else f"{len(chosen)} cases"
+    return (
+        f"{cases}, about {duration(seconds)}; where nothing is compiled yet, a minute or two more"
+    )
 
 
 def machine() -> dict:
@@ -160,9 +179,13 @@ def run_bench(
         if name not in known:
             raise InputError("command line", "NAME", name, "one of " + ", ".join(known))
     if effects:
-        chosen = dict.fromkeys([NO_EFFECT, *(names or known)])
-        return run_effects({name: known[name] for name in chosen}, path, quiet)
-    chosen = {name: known[name] for name in names or cases(finest)}
+        chosen = {name: known[name] for name in dict.fromkeys([NO_EFFECT, *(names or known)])}
+    else:
+        chosen = {name: known[name] for name in names or cases(finest)}
+    if not quiet:
+        print(cost(chosen, effects, not (effects or names)), file=sys.stderr, flush=True)
+    if effects:
+        return run_effects(chosen, path, quiet)
     report: dict[str, Any] = {"machine": machine(), "compilation": compile_times(), "cases": []}
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         report["cases"].append({"name": name} | run_member(case))

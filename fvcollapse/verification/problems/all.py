@@ -1,4 +1,4 @@
-"""All verification problems, by group; a new group is a name in both lists."""
+"""All verification problems, by group; a new group is a name in both lists, a new problem one in `names.py`."""
 
 from fvcollapse.verification.problems import (
     adhesion,

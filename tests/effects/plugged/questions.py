@@ -12,8 +12,8 @@ from fvcollapse.__main__ import main
 from fvcollapse.case.case import Case
 from fvcollapse.diagnosis.verdict_model import VerdictModel, solver_of
 from fvcollapse.effects.table import catalogue_table
-from fvcollapse.measure.observables import ENERGY_SPENT, LOSSES
 from fvcollapse.measure.observation import flow_case
+from fvcollapse.measure.series_readings import ENERGY_SPENT, LOSSES
 from fvcollapse.simulation import Simulation
 from fvcollapse.studies.bench.case_list import effect_cases, shortened
 from fvcollapse.studies.bench.measured import member
