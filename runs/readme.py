@@ -29,6 +29,7 @@ from runs.readme_facts import beds, facts, finer, grid, grid_rises, grid_says, g
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
 from runs.readme_next import held_out, next_experiments, next_kinds
 from runs.readme_paper import statements_by_verdict
+from runs.readme_opened import opened_cases
 from runs.readme_particles import (
     cohesion,
     packings,
@@ -82,6 +83,7 @@ PARTS = {
     "facts-grid-says": grid_says,
     "facts-grid-rises": grid_rises,
     "facts-grid-ways": grid_ways,
+    "particles-opened": opened_cases,
     "particles-validation": validation,
     "particles-thin-layers": thin_layers,
     "particles-rule": rule,
