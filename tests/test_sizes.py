@@ -44,6 +44,7 @@ EXCEPTIONS = {
         "assemble_momentum",
     ): "the reference method has the arguments of the coupled one",
     ("verification/boxes.py", "__init__"): "the options of a box, by keyword",
+    ("runs/paper/statement_terms.py", "clause_in"): "the parts of a clause, and the windows of it",
     ("runs/remake_tasks.py", "study"): "a row of the list of tasks: the options by keyword",
 }
 FOLDERS = ("fvcollapse", "runs", "plots")
