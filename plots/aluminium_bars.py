@@ -5,27 +5,26 @@
 Writes plots/figures/aluminium_bars.png and its caption (.txt); nothing is computed here.
 """
 
-from pathlib import Path
-
 import numpy as np
 
-from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure, png
-from fvcollapse.files.atomic import write_atomic
+from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE, new_figure
+from plots.paper_style import write_picture
 from runs.table import RUNS, read_table
 
-HERE = Path(__file__).parent
 SOURCE = RUNS / "comparison"
 LAWS = {  # law of the tables: words, colour
-    "mu(I) of discs: 0.60, 0.40": (r"$\mu_2$ = 0.60, $I_0$ = 0.40", BLUE),
-    "mu(I) as the default: 0.73, 0.279": (r"$\mu_2$ = 0.73, $I_0$ = 0.279", ORANGE),
+    "mu(I) of discs: 0.60, 0.40": ("µ₂ = 0.60, I₀ = 0.40", BLUE),
+    "mu(I) as the default: 0.73, 0.279": ("µ₂ = 0.73, I₀ = 0.279", ORANGE),
     "Drucker-Prager, 0.02 Pa s": ("Drucker\N{EN DASH}Prager, 0.02 Pa s", GREEN),
 }
 PANELS = {"without": "without thin_layer", "thickness": "with thin_layer, 1.65 d"}
-CAPTION = """\
-Aluminium bars released at once on a level bed (Bui et al. 2008, grey): deposit (thick), failure line (circles), below
-which no bar moved. Model, mu_1 = tan 19.8 deg as measured, no slip on the bed, cells of 4 mm: deposit (lines) and the
-height below which the grains were never faster than 0.01 m/s (dashed). The friction at high speed, mu_2 and I_0,
-was not measured. Fronts, where the deposit is 1.5 mm thick: measured {measured} mm; {fronts}.
+CAPTION = """
+Aluminium bars released at once on a level bed (Bui et al. 2008) and the model, without and with thin_layer.
+Thick grey line: the deposit as measured. Grey dots: the measured failure line, below which no bar moved. Solid
+lines: the deposits of the model. Dashed lines: the height below which the grains of the model were never faster
+than 0.01 m/s. µ₁ = tan 19.8° as measured, no slip on the bed, cells of 4 mm. The friction at high speed, µ₂ and
+I₀, was not measured; each colour is one choice. Fronts, where the deposit is 1.5 mm thick: measured {measured}
+mm; {fronts}.
 """
 
 
@@ -53,8 +52,9 @@ def caption():
         (row["law"], row["thin_layer"]): row["front"] for row in read_table(SOURCE / "bars.csv")
     }
     told = "; ".join(
-        f"{law}: {float(fronts[law, 'without']):.0f} without and {float(fronts[law, 'thickness']):.0f} with thin_layer"
-        for law in LAWS
+        f"{words}: {float(fronts[law, 'without']):.0f} mm without and {float(fronts[law, 'thickness']):.0f} mm with "
+        "thin_layer"
+        for law, (words, _) in LAWS.items()
     )
     return CAPTION.format(measured=f"{float(fronts['measured', '']):.0f}", fronts=told)
 
@@ -67,8 +67,7 @@ def main():
         panel(axes, curves, effect)
     figure.axes[0].set_ylabel("height (cm)")
     figure.axes[0].legend(fontsize=8)
-    write_atomic(HERE / "figures" / "aluminium_bars.png", png(figure))
-    write_atomic(HERE / "figures" / "aluminium_bars.txt", caption().encode())
+    write_picture(figure, "aluminium_bars", caption())
 
 
 if __name__ == "__main__":

@@ -45,6 +45,7 @@ from runs.readme_reports import (
 )
 from runs.readme_stamps import made_by
 from runs.readme_thin_layers import rule, thin_layers
+from runs.readme_trust import trust
 from runs.readme_walls import mobilised, mobilised_says, walls, walls_say
 
 ROOT = Path(__file__).parents[1]
@@ -54,6 +55,7 @@ PARTS = {
     "experiment-keys": experiment_keys,
     "effects": effects,
     "priors": priors,
+    "trust": trust,
     "verification": verification,
     "example": diagnosis_example,
     "blind": blind_scores,

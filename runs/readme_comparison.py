@@ -1,7 +1,7 @@
 """Aluminium bars and the steady front beside the measurements, for the README of the comparison."""
 
 from runs.readme_stamps import solver_line
-from runs.readme_tables import bullets, rounded, signed, span, table
+from runs.readme_tables import bullets, require, rounded, signed, span, table
 from runs.table import RUNS, read_table
 
 BARS, FRONT = "comparison/bars.csv", "comparison/steady_front.csv"
@@ -108,25 +108,46 @@ def steady_front_says():
             runs.setdefault(row["profile"].split(", ")[1], {})[row["time"]] = row
     of_runs = [row for run in runs.values() for row in run.values()]
     near, middle, far = PLACES[:1], PLACES[1:7], PLACES[7:]
-    by = {words: differences(run.values()) for words, run in runs.items()}
-    both = [[run[time] for run in runs.values()] for time in next(iter(runs.values()))]
-    thin = max(max(differences(pair).values()) for pair in both)
-    named = zip(by.values(), ("without `thin_layer`", "with it"), strict=True)
-    moves = " and ".join(
-        f"{span([found[at] for at in (*near, *middle)], two)} {words}" for found, words in named
-    )
-    last = span([found[PLACES[-1]] for found in by.values()], two)
+    times = list(next(iter(runs.values())))
+    thick, thin = (max(outside(of_runs, beads, far, above)) for above in (True, False))
+    require(thin > thick, "30 and 40 layers behind the front the model is too thin")
+    nearest = outside(of_runs, beads, near, True)
+    require(min(nearest) > 0.0, "2 layers behind the front the model is too thick")
     return bullets(
         [
             f"From 4 to 20 layers behind the front the model lies at most {two(worst(of_runs, beads, middle))} of a "
-            f"layer outside of the range of the three measured fronts, at 1.5, 2.25 and 3 s. At 2 layers it is "
-            f"{span(beyond(of_runs, beads, near), two)} too thick, with cells of an eighth of a layer.",
-            f"At 30 and 40 layers it is up to {two(worst(of_runs, beads, far))} too thin: the layer of 1 m drains at "
-            "its rear.",
-            f"From 1.5 to 3 s the front moves by {moves} up to 20 layers, at 40 layers by {last}.",
-            f"`thin_layer` changes at most {two(thin)}: the layer flows well above h_stop.",
+            f"layer outside of the range of the {len(beads)} measured fronts, at {', '.join(times[:-1])} and "
+            f"{times[-1]} s. At 2 layers it is {span(nearest, two)} too thick, with {cells(of_runs)} cells over the "
+            "layer.",
+            f"At 30 and 40 layers it is up to {two(thin)} too thin: the layer of 1 m drains at its rear.",
+            changes_in_time(runs, (*near, *middle), far[-1]),
+            f"`thin_layer` changes the thickness by at most {two(by_thin_layer(runs))} of a layer.",
         ]
     )
+
+
+def changes_in_time(runs, places, last):
+    """By how much the thickness at the same distance behind the front changes over the stored times."""
+    by = [differences(run.values()) for run in runs.values()]
+    without, with_it = (span([found[at] for at in places], two) for found in by)
+    first, *_, end = next(iter(runs.values()))
+    return (
+        f"From {first} to {end} s the thickness at the same distance behind the front changes by {without} of a "
+        f"layer without `thin_layer` and by {with_it} with it up to {places[-1].removeprefix('h_at_')} layers, at "
+        f"{last.removeprefix('h_at_')} layers by {span([found[last] for found in by], two)}."
+    )
+
+
+def by_thin_layer(runs):
+    """The largest difference in thickness between the runs at one time and place, in layers."""
+    both = [[run[time] for run in runs.values()] for time in next(iter(runs.values()))]
+    return max(max(differences(pair).values()) for pair in both)
+
+
+def cells(rows):
+    """Cells over the layer, as the profiles of some runs name them."""
+    found = {row["profile"].rpartition(", ")[2].removesuffix(" cells") for row in rows}
+    return " and ".join(sorted(found, key=int))
 
 
 def two(value):
@@ -139,18 +160,20 @@ def at_place(rows, place):
     return [float(row[place]) for row in rows if row[place]]
 
 
-def beyond(rows, beads, places):
-    """How far rows lie outside of the range of the beads, one number for each row and place."""
+def outside(rows, beads, places, above):
+    """How far rows lie above the thickest of the beads, or below the thinnest; one number for each row and place."""
     found = []
     for place in places:
         low, high = min(at_place(beads, place)), max(at_place(beads, place))
-        found += [max(low - value, value - high, 0.0) for value in at_place(rows, place)]
+        found += [
+            max(value - high if above else low - value, 0.0) for value in at_place(rows, place)
+        ]
     return found
 
 
 def worst(rows, beads, places):
-    """The largest of `beyond`."""
-    return max(beyond(rows, beads, places))
+    """The largest distance from the range of the beads, on either side."""
+    return max(max(outside(rows, beads, places, above)) for above in (True, False))
 
 
 def differences(rows):

@@ -1,7 +1,7 @@
 """Tables of the particle laboratory for its README: the baseline, thin layers, shape and volume, closures."""
 
 from runs.readme_stamps import solver_line
-from runs.readme_tables import bullets, rounded, signed, span, table
+from runs.readme_tables import bullets, require, rounded, signed, span, table
 from runs.table import RUNS, read_table
 
 FOLDER = "particle_laboratory"
@@ -133,23 +133,32 @@ def shape_says():
     settled = ("hysteresis 0.03", "hysteresis 0.06")
     swollen = [rows[name, of] for name in SHAPED for of in dilating]
     excess = [float(row["volume_model"]) / float(row["volume_grains"]) - 1.0 for row in swollen]
+    require(min(excess) > 0.0, "dilatancy gives a largest volume that is too large")
+    require(min(moved(rows, dilating)) > 0.0, "dilatancy lengthens the front")
     back, middle = "at_back_wall", "before_middle"
+    wider = [
+        gap(rows, name, of, middle) > gap(rows, name, "without", middle)
+        for name in SHAPED
+        for of in dilating
+    ]
     return bullets(
         [
             f"The gap without any effect is {left(rows, 'without', back)} mm at the back wall and "
-            f"{left(rows, 'without', middle)} mm in front of the middle; the smallest is that at 0°.",
+            f"{left(rows, 'without', middle)} mm in front of the middle; the smallest is that at "
+            f"{slopes(min, lambda name, of: gap(rows, name, 'without', of))}.",
             f"`thin_layer` with 2.31 d closes {closed(rows, chute, back)} of it at the back wall and "
-            f"{closed(rows, chute, middle)} in front of the middle, most at 22°. It leaves "
+            f"{closed(rows, chute, middle)} in front of the middle, most at "
+            f"{slopes(max, lambda name, of: share(rows, chute, of, name))}. It leaves "
             f"{left(rows, chute, back)} mm and {left(rows, chute, middle)} mm.",
             f"With 4 d it closes {closed(rows, longer, back)} and {closed(rows, longer, middle)}, and leaves "
             f"{left(rows, longer, back)} mm and {left(rows, longer, middle)} mm.",
             f"Dilatancy alone closes {closed(rows, dilating[0], back, STEEPER)} (K = 2) and "
             f"{closed(rows, dilating[1], back, STEEPER)} (K = 4) of the gap at the back wall from 10° on, and "
             f"{closed(rows, dilating[0], back, (LEVEL,))} and {closed(rows, dilating[1], back, (LEVEL,))} at 0°. It "
-            "widens that in front of the middle.",
+            f"widens that in front of the middle in {sum(wider)} of {len(wider)} runs.",
             f"Dilatancy gives a largest volume that is {shares(excess)} too large. It lengthens the front by "
-            f"{span(moved(rows, dilating), rounded)} mm. At the end {ends(swollen, 'model')} % of volume remain, of "
-            f"that of the grains {ends(swollen, 'grains')} %.",
+            f"{span(moved(rows, dilating), rounded)} mm. At the end the volume of the model differs from that "
+            f"at the start by {ends(swollen, 'model')} %, that of the grains by {ends(swollen, 'grains')} %.",
             f"Back walls from frictionless to no slip move the front by {greatest(moved(rows, walls))} mm at most, "
             f"hysteresis by {greatest(moved(rows, settled))} mm.",
         ]
@@ -163,13 +172,34 @@ def left(rows, variant, column):
 
 def ends(rows, of):
     """Range of the last change of the volume, %."""
-    return span([float(row[f"volume_{of}_end"]) for row in rows], lambda value: rounded(value, 1))
+    return span([float(row[f"volume_{of}_end"]) for row in rows], lambda value: signed(value, 1))
 
 
 def closed(rows, variant, column, names=tuple(SHAPED)):
     """Which share of a gap a variant closes, over the experiments."""
-    gaps = [[float(rows[name, of][column]) for of in (variant, "without")] for name in names]
-    return shares([1.0 - found / before for found, before in gaps])
+    return shares([share(rows, variant, column, name) for name in names])
+
+
+def share(rows, variant, column, name):
+    """Which share of the gap of an experiment a variant closes."""
+    return 1.0 - float(rows[name, variant][column]) / float(rows[name, "without"][column])
+
+
+def gap(rows, name, variant, column):
+    """Size of the gap of an experiment, mm."""
+    return abs(float(rows[name, variant][column]))
+
+
+def slopes(chosen, size):
+    """Slope at which `size(experiment, column)` is least or largest (`chosen`); both columns if they differ."""
+    columns = {"at_back_wall": "at the back wall", "before_middle": "in front of the middle"}
+    found = {}
+    for column, words in columns.items():
+        name = chosen(SHAPED, key=lambda name, column=column: size(name, column))
+        found.setdefault(SHAPED[name].partition(",")[0], []).append(words)
+    if len(found) == 1:
+        return next(iter(found))
+    return " and ".join(f"{slope} ({', '.join(words)})" for slope, words in found.items())
 
 
 def moved(rows, variants):

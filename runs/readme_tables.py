@@ -3,7 +3,22 @@
 import json
 from decimal import ROUND_HALF_UP, Decimal
 
+from fvcollapse.errors import FvcollapseError
 from runs.table import RUNS
+
+
+def require(holds, sentence):
+    """Refuse to write a sentence that the tables no longer bear out.
+
+    Parameters
+    ----------
+    holds : bool
+        Whether the tables say what the sentence says.
+    sentence : str
+        What is written by hand and no longer true.
+    """
+    if not holds:
+        raise FvcollapseError(f"the stored tables no longer say: {sentence}; write it anew")
 
 
 def table(heading, rows):

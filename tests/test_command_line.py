@@ -73,7 +73,9 @@ def test_an_option_that_is_given_already_is_not_proposed(capsys):
 def test_verify_says_what_it_will_take(capsys):
     assert main(["verify", "imposed_bed_stress"]) == 0
     told = capsys.readouterr().err
-    assert told == f"1 of {len(NAMES)} problems; all take {CPU_TIME}, compilation aside\n"
+    assert (
+        told == f"1 of {len(NAMES)} problems (the whole set takes {CPU_TIME}, compilation aside)\n"
+    )
 
 
 def test_names_of_problems_are_known_without_the_solver():

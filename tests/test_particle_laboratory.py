@@ -10,8 +10,9 @@ from toy_laboratory import collapse, film
 
 from fvcollapse import load_case, load_experiment
 from fvcollapse.measure.align import align
+from fvcollapse.simulation import Simulation
 from plots import particle_laboratory as figures
-from runs.particle_laboratory import study
+from runs.particle_laboratory import mobilised, study
 from runs.table import write_table
 
 
@@ -119,3 +120,12 @@ def test_answers_are_in_the_form_that_is_scored(data, tmp_path, monkeypatch):
     assert set(json.loads((tmp_path / "labelled" / "answers.json").read_text())) == set(
         study.LABELLED
     )
+
+
+def test_walls_of_grains_as_slow_as_the_slip_of_the_solver_mobilise_a_root_of_two_less():
+    case = load_case(study.BASELINE)
+    slip = Simulation(case).constants.balance.slip_min
+    field = {"pressure": np.ones((3, 2)), "u": np.full((4, 2), slip), "w": np.zeros((3, 3))}
+    assert mobilised.friction(case, field, 0.3) == pytest.approx(0.3 / np.sqrt(2.0))
+    field["u"] *= 1e6
+    assert mobilised.friction(case, field, 0.3) == pytest.approx(0.3)

@@ -2,15 +2,21 @@
 
 import pytest
 
+from fvcollapse.errors import FvcollapseError
 from runs import (
     readme_acceptance,
+    readme_comparison,
+    readme_convergence,
     readme_facts,
     readme_particles,
     readme_stamps,
     readme_thin_layers,
+    readme_trust,
     readme_walls,
 )
-from runs.readme_tables import change, rounded, signed, span
+from runs.paper.settled import ON_BED
+from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED
+from runs.readme_tables import change, require, rounded, signed, span
 from runs.table import write_table
 
 # -- how a number is told ------------------------------------------------------------------------
@@ -175,3 +181,103 @@ def test_changes_between_grids_are_held_against_what_was_asked(tmp_path, monkeyp
     assert fine.endswith("met by all four.")
     assert "by more than 0.10 %" in steps
     assert "10 mm +10.00 %" in tongue
+
+
+# -- sentences that the tables must bear out -----------------------------------------------------
+
+
+def test_a_sentence_that_is_no_longer_true_is_refused():
+    require(True, "the front moves")
+    with pytest.raises(FvcollapseError, match="no longer say: the front moves"):
+        require(False, "the front moves")
+
+
+def test_the_slope_of_the_least_and_the_largest_gap():
+    size = dict(zip(readme_particles.SHAPED, (3, 1, 4, 5, 2, 9, 6), strict=True))
+    assert readme_particles.slopes(min, lambda name, _: size[name]) == "10°"
+    assert readme_particles.slopes(max, lambda name, _: size[name]) == "22°"
+
+    def other(name, column):
+        return size[name] if column == "at_back_wall" else -size[name]
+
+    assert readme_particles.slopes(max, other) == (
+        "22° (at the back wall) and 10° (in front of the middle)"
+    )
+
+
+def test_an_order_is_that_of_monotone_differences_on_the_finest_grids():
+    coarse = {"behaviour": "monotone", "order": 1.0}
+    found = {
+        name: {"runout": {"triplets": [coarse, {"behaviour": behaviour, "order": 1.5}]}}
+        for name, behaviour in (("a", "monotone"), ("b", "oscillatory"))
+    }
+    assert readme_convergence.orders(found, "runout") == [1.5, None]
+
+
+def test_outside_of_the_measured_fronts_is_above_or_below():
+    beads = [{"h_at_2": "0.2"}, {"h_at_2": "0.3"}, {"h_at_2": ""}]
+    rows = [{"h_at_2": "0.1"}, {"h_at_2": "0.35"}]
+    above, below = (readme_comparison.outside(rows, beads, ("h_at_2",), of) for of in (True, False))
+    assert above == pytest.approx([0.0, 0.05])
+    assert below == pytest.approx([0.1, 0.0])
+    assert readme_comparison.worst(rows, beads, ("h_at_2",)) == pytest.approx(0.1)
+
+
+# -- how far to trust it -------------------------------------------------------------------------
+
+
+def test_the_statements_of_the_paper_are_counted_once_each(tmp_path, monkeypatch):
+    verdicts = {1: (CONFIRMED, "1.0"), 2: (REFUTED, "1.0"), 3: (ON_BED, "1.0"), 4: (OPEN, "")}
+    rows = [
+        {"statement": number, "verdict": verdict if first else "", "value": value}
+        for number, (verdict, value) in (verdicts | {5: (OPEN, "2.0")}).items()
+        for first in (True, False)
+    ]
+    write_table(tmp_path / "paper" / "statements.csv", rows)
+    monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
+    bullets = "- **Measured curves** (statements 4, on fronts)\n- **The finite-element code** (4)\n"
+    page = tmp_path / "paper" / "README.md"
+    page.write_text(f"{bullets}- **A number for a word** (5).\n", encoding="utf-8")
+    assert readme_trust.paper()[1] == (
+        "1 of 5 statements; 1 not; 1 depend on the bed or on how a front is read; 2 cannot be decided, 1 of them for "
+        "want of data or code, 1 for want of a number in the paper"
+    )
+    page.write_text(f"{bullets}- **A number for a word** (1, 5).\n", encoding="utf-8")
+    with pytest.raises(FvcollapseError, match="of the undecided alone"):
+        readme_trust.paper()
+
+
+def test_numbers_of_statements_are_listed_or_from_one_to_another():
+    text = "- **A number for a word** (2, 5–7, 9; also 24): x\n"
+    assert readme_trust.named(text, "A number for a word") == {2, 5, 6, 7, 9}
+    with pytest.raises(FvcollapseError, match="Measured curves"):
+        readme_trust.named(text, "Measured curves")
+
+
+def test_the_final_front_is_that_of_the_last_time(tmp_path, monkeypatch):
+    rows = [
+        {"comparison": name, "quantity": "front", "relative_difference": of}
+        for name, of in (("a", 0.1), ("a", -0.014), ("b", 0.3))
+    ]
+    write_table(tmp_path / "comparison" / "differences.csv", rows)
+    monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
+    assert readme_trust.final_front("a", "front") == "−1.4 %"
+
+
+def test_laboratories_in_which_an_effect_is_named_wrongly_are_not_counted(tmp_path, monkeypatch):
+    answers = [
+        {"right": "cohesion", "called": "cohesion", "of_the_right": "0.4"},
+        {"right": "cohesion", "called": "none", "of_the_right": "0.1"},
+        {"right": "", "called": "none", "of_the_right": ""},
+        {"right": "", "called": "tilt", "of_the_right": ""},
+    ]
+    fits = [
+        {"walls": walls, "columns": 28, "runout_mean_percent": of}
+        for walls, of in (("absent", -15.1), ("measured", -31.1))
+    ]
+    write_table(tmp_path / "laboratories" / "answers.csv", answers)
+    write_table(tmp_path / "laboratories" / "columns_fit.csv", fits)
+    monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
+    told = readme_trust.laboratories()[1]
+    assert "cohesion first in 1 of 2 questions on wetted beads (40 %)" in told
+    assert "nothing named in 1 of 2 where nothing may be; 28 columns run 31 % less far" in told

@@ -2,7 +2,7 @@
 
 import ast
 
-from parsed_code import PACKAGE, files_in, tree_of
+from parsed_code import PACKAGE, ROOT, files_in, tree_of
 
 FILE_LINES, CODE_LINES, ARGUMENTS, KERNEL_ARGUMENTS = 300, 40, 6, 10
 # functions that may be longer or take more arguments, and why
@@ -44,7 +44,10 @@ EXCEPTIONS = {
         "assemble_momentum",
     ): "the reference method has the arguments of the coupled one",
     ("verification/boxes.py", "__init__"): "the options of a box, by keyword",
+    ("runs/paper/statement_terms.py", "clause_in"): "the parts of a clause, and the windows of it",
+    ("runs/remake_tasks.py", "study"): "a row of the list of tasks: the options by keyword",
 }
+FOLDERS = ("fvcollapse", "runs", "plots")
 
 
 def functions_of(tree):
@@ -80,18 +83,19 @@ def too_large(path):
     for function in functions_of(tree_of(path)):
         most = KERNEL_ARGUMENTS if is_kernel(function) else ARGUMENTS
         if code_lines(function, lines) > CODE_LINES or argument_count(function) > most:
-            yield path.relative_to(PACKAGE).as_posix(), function.name
+            base = PACKAGE if path.is_relative_to(PACKAGE) else ROOT
+            yield path.relative_to(base).as_posix(), function.name
 
 
 def test_files_are_small():
-    files = files_in("fvcollapse")
+    files = files_in(*FOLDERS)
     lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files}
-    assert len(lines) > 300
+    assert len(lines) > 400
     assert [path for path, number in lines.items() if number > FILE_LINES] == []
 
 
 def test_functions_are_small_and_every_exception_is_needed():
-    found = {name for path in files_in("fvcollapse") for name in too_large(path)}
+    found = {name for path in files_in(*FOLDERS) for name in too_large(path)}
     assert sorted(found - set(EXCEPTIONS)) == []
     assert sorted(set(EXCEPTIONS) - found) == []
 

@@ -88,7 +88,9 @@ def heeded_between_steps() -> Iterator[None]:
 
 def cost(names: Sequence[str]) -> str:
     """How many problems are solved, and how long all of them take."""
-    return f"{len(names)} of {len(NAMES)} problems; all take {CPU_TIME}, compilation aside"
+    return (
+        f"{len(names)} of {len(NAMES)} problems (the whole set takes {CPU_TIME}, compilation aside)"
+    )
 
 
 def named(name: str) -> str:

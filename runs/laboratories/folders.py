@@ -130,45 +130,50 @@ def narrow_slot(data, out):
     columns = {row["case"]: row for row in read_table(data / "summary.csv")}
     bins = read_table(data / "deposit_profiles.csv")
     for name, words in SLOT_CASES.items():
-        column = columns[name]
-        front = float(column["front_h_half_d_m"])
-        settings = {
-            "title": f"beads of 3 mm in a slot of 9 mm, {words}, aspect ratio {column['nominal_aspect']}",
-            "source": (
-                "deposit 0.8 s after the release, computed with LAMMPS (three-dimensional, grain by grain), "
-                "SueHeir/dirt, SPH_glass_sphere_calibration/07_column_collapse: volume of the grains over 0.6, means "
-                "of two bins of one grain each, up to the front (half a grain thick); beyond it single grains lie. "
-                "Sliding friction 0.16 of grains, flat floor and walls; mu_1 and mu_2 as reported for these beads, "
-                "for which rolling friction is not said. Standard deviations: half a grain of thickness, a grain "
-                "of the front. The height is that of the settled grains at a solid fraction of 0.6"
-            ),
-            "geometry.slope_angle_deg": 0.0,
-            "geometry.height_0": float(column["H0_at_phi_0.6_m"]),
-            "geometry.length_0": 0.024,
-            "geometry.channel_width": SLOT,
-            "material.grain_diameter": GRAIN,
-            "material.density_grain": 2500.0,
-            "material.solid_fraction": 0.6,
-            "material.mu_1": 0.38,
-            "material.mu_2": 0.48,
-            "material.mu_bed": SLIDING,
-            "material.mu_back_wall": SLIDING,
-            "material.mu_wall": SLIDING,
-            "front.thickness": 0.5 * GRAIN,
-            "uncertainty.thickness": 0.5 * GRAIN,
-            "uncertainty.mu_1": SLOT_FRICTION_SD,
-            "uncertainty.mu_2": SLOT_FRICTION_SD,
-        }
+        front = float(columns[name]["front_h_half_d_m"])
         rows = [
             (float(row["x_m"]), float(row["h_solid_over_0.6_m"]))
             for row in bins
             if row["case"] == name
         ]
         surface = pairwise(np.array([row for row in rows if row[0] < front]))
-        values = measured(runout=(front, GRAIN))
         write(
-            out / "narrow_slot" / name, settings, values, {"profiles": at_time(SLOT_END, surface)}
+            out / "narrow_slot" / name,
+            slot_settings(columns[name], words),
+            measured(runout=(front, GRAIN)),
+            {"profiles": at_time(SLOT_END, surface)},
         )
+
+
+def slot_settings(column, words):
+    """Set-up of a column of the narrow slot, a row of the published summary."""
+    return {
+        "title": f"beads of 3 mm in a slot of 9 mm, {words}, aspect ratio {column['nominal_aspect']}",
+        "source": (
+            "deposit 0.8 s after the release, computed with LAMMPS (three-dimensional, grain by grain), "
+            "SueHeir/dirt, SPH_glass_sphere_calibration/07_column_collapse: volume of the grains over 0.6, means "
+            "of two bins of one grain each, up to the front (half a grain thick); beyond it single grains lie. "
+            "Sliding friction 0.16 of grains, flat floor and walls; mu_1 and mu_2 as reported for these beads, "
+            "for which rolling friction is not said. Standard deviations: half a grain of thickness, a grain "
+            "of the front. The height is that of the settled grains at a solid fraction of 0.6"
+        ),
+        "geometry.slope_angle_deg": 0.0,
+        "geometry.height_0": float(column["H0_at_phi_0.6_m"]),
+        "geometry.length_0": 0.024,
+        "geometry.channel_width": SLOT,
+        "material.grain_diameter": GRAIN,
+        "material.density_grain": 2500.0,
+        "material.solid_fraction": 0.6,
+        "material.mu_1": 0.38,
+        "material.mu_2": 0.48,
+        "material.mu_bed": SLIDING,
+        "material.mu_back_wall": SLIDING,
+        "material.mu_wall": SLIDING,
+        "front.thickness": 0.5 * GRAIN,
+        "uncertainty.thickness": 0.5 * GRAIN,
+        "uncertainty.mu_1": SLOT_FRICTION_SD,
+        "uncertainty.mu_2": SLOT_FRICTION_SD,
+    }
 
 
 def pairwise(points):

@@ -10,10 +10,12 @@ over which time the grains took theirs is not published.
 import numpy as np
 
 from fvcollapse import load_case, load_experiment, run
+from fvcollapse.step.balance import balance_at_rest
 from runs.particle_laboratory.walls import CELL_SIZE, PAIRS, SLIDING, settings
 from runs.table import write_table
 
 INTERVAL = 0.02  # s, between two fields
+NO_GATE = -1  # column of a gate that is not there
 STOPPED = 0.002  # m; a front that is no farther from its last place has stopped
 
 
@@ -74,5 +76,5 @@ def friction(case, field, mu_wall):
     u = 0.5 * (field["u"][1:] + field["u"][:-1])
     w = 0.5 * (field["w"][:, 1:] + field["w"][:, :-1])
     speed = np.hypot(u, w)
-    slip = 0.1 * case.numerics.shear_rate_min * case.geometry.height_0  # as of the solver
+    slip = balance_at_rest(case, (0.0, 0.0), NO_GATE, None).slip_min  # that of the solver
     return mu_wall * float((pressure * speed / np.hypot(speed, slip)).sum() / pressure.sum())
