@@ -28,8 +28,8 @@ from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cos
 from runs.readme_facts import beds, facts, finer, grid, grid_rises, grid_says, grid_ways
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
 from runs.readme_next import held_out, next_experiments, next_kinds
-from runs.readme_paper import statements_by_verdict
 from runs.readme_opened import opened_cases
+from runs.readme_paper import statements_by_verdict
 from runs.readme_particles import (
     cohesion,
     packings,

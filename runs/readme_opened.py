@@ -21,10 +21,8 @@ def opened_cases():
     ]
     right = sum(row["first"] == row["cause"] for row in rows)
     held = sum(row["in_the_set"] == "True" for row in rows)
-    sure = sum(
-        row["first"] != row["cause"] and float(row["probability"]) >= 0.9 for row in rows
-    )
+    sure = sum(row["first"] != row["cause"] and float(row["probability"]) >= 0.9 for row in rows)
     return table(heading, lines) + (
-        f"\nThe first name is right in {right} of {len(rows)}, the set holds the cause in {held}; {sure} wrong first names "
-        "have a probability of 0.9 or more.\n"
+        f"\nThe first name is right in {right} of {len(rows)}, the set holds the cause in {held}; {sure} wrong first "
+        "names have a probability of 0.9 or more.\n"
     )
