@@ -21,6 +21,7 @@ ELSEWHERE = {
     "runs/particle_laboratory/labelled/*": "reports of the diagnosis, which name the solver",
     "runs/particle_laboratory/*answers.json": "answers of the diagnosis",
     "runs/particle_laboratory/discrepancy.csv": "of the diagnosis",
+    "runs/particle_laboratory/opened.csv": "answers of the diagnosis",
     "runs/paper_case/*": "reports of the diagnosis, which name the solver",
     "runs/laboratories/*": "reports of the diagnosis, which name the solver",
     "runs/experiments/*": "measurements",
