@@ -9,6 +9,7 @@ from fvcollapse.output.stored_numbers import (
     ANY,
     POSITIVE,
     group_of,
+    is_readable,
     number_of,
     numbers_of,
     refuse,
@@ -58,8 +59,8 @@ def field_forms(file: Any, path: str) -> dict[str, tuple[int, ...]]:
     shapes = {name: location_shape(LOCATIONS.get(name, "centre"), *grid) for name in file[path]}
     for name, shape in shapes.items():
         dataset = file[path][name]
-        kind = getattr(getattr(dataset, "dtype", None), "kind", "")
-        if kind != "f" or dataset.shape != shape:
+        dtype = getattr(dataset, "dtype", None)
+        if dtype is None or dtype.kind != "f" or not is_readable(dtype) or dataset.shape != shape:
             found = (
                 f"{getattr(dataset, 'dtype', 'a group')} of shape {getattr(dataset, 'shape', '')}"
             )

@@ -19,6 +19,7 @@ from fvcollapse.output.field_layout import (
 from fvcollapse.output.stored_names import PROFILES, SERIES, SINCE_RELEASED, STEPS
 from fvcollapse.output.stored_numbers import (
     ANY,
+    LARGEST,
     NUMBERS,
     POSITIVE,
     group_of,
@@ -45,7 +46,7 @@ SERIES_RANGE = {
     "runout_10mm": LENGTH,
     "x_99": LENGTH,
     "detached_volume": FRACTION,
-    "relative_volume": (-1.0 - SAME, np.inf),
+    "relative_volume": (-1.0 - SAME, LARGEST),
     "volume_correction": POSITIVE,
     "kinetic_energy": POSITIVE,
     "max_speed": (0.0, FASTEST),

@@ -11,8 +11,10 @@ import numpy as np
 from fvcollapse.errors import InputError
 from fvcollapse.files.hdf5 import name_of
 
-ANY = (-np.inf, np.inf)
-POSITIVE = (0.0, np.inf)
+LARGEST = 1e30  # an extract stores single precision, which ends at 3e38; no quantity in SI units comes near
+ANY = (-LARGEST, LARGEST)
+POSITIVE = (0.0, LARGEST)
+SIZES = (4, 8)  # bytes of a floating-point number that kernels can read
 NUMBERS = "fiu"  # kinds of numpy types
 
 
@@ -50,7 +52,7 @@ def numbers_of(
         refuse(file, path, "no such data set", allowed)
     if not hasattr(dataset, "dtype") or dataset.shape is None:
         refuse(file, path, "no array of values", allowed)
-    if dataset.dtype.kind not in kinds:
+    if dataset.dtype.kind not in kinds or not is_readable(dataset.dtype):
         refuse(file, path, f"values of the type {dataset.dtype}", allowed)
     found = dataset.shape
     if len(found) != len(shape) or any(
@@ -62,6 +64,11 @@ def numbers_of(
     except (OSError, RuntimeError, ValueError, TypeError):  # compressed data that were changed
         refuse(file, path, "damaged data", "data as they were written")
     return check_values(file, path, values, limits)
+
+
+def is_readable(dtype: np.dtype) -> bool:
+    """Whether kernels read numbers of this type; half and extended precision they do not."""
+    return dtype.kind != "f" or dtype.itemsize in SIZES
 
 
 def check_values(

@@ -125,12 +125,10 @@ def test_bytes_that_are_not_utf8(data, capsys):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["run"],
         ["walk"],
         ["run", "a.toml", "b.toml"],
         ["run", "a.toml", "--fast"],
         ["run", "a.toml", "--set"],
-        ["plot"],
     ],
     ids=" ".join,
 )
