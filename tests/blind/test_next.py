@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -41,23 +42,43 @@ TALL = {"geometry.height_0": 0.21}
 
 @pytest.fixture(scope="module")
 def laboratory(tmp_path_factory):
-    """A case of two experiments with a control, its plan, and films of two candidates that show the same cause."""
-    folder = tmp_path_factory.mktemp("toy")
+    """Folder, plan and answers of a case of two experiments with a control, and the files that were opened for them.
+
+    Films of two candidates show the same cause.
+    """
+    folder, opened = tmp_path_factory.mktemp("toy"), []
     case, hidden = folder / "suite" / "case_001", {"cohesion": {"kappa_0": 20.0}}
     film(case / FIRST, effects=hidden, seed=1)
     film(case / "slope20_width10", slope=20.0, effects=hidden, seed=2)
     film(case / "controls" / "control_slope16_width10", seed=3)
-    film(folder / "films" / "case_001" / "width_0.05", width=0.05, effects=hidden, seed=4)
-    film(folder / "films" / "case_001" / "slope_angle_22", slope=22.0, effects=hidden, seed=5)
-    (folder / "plans").mkdir()
+    films = folder / "films" / "case_001"
+    film(films / "width_0.05", width=0.05, effects=hidden, seed=4)
+    film(films / "slope_angle_22", slope=22.0, effects=hidden, seed=5)
+    for place in (case, case / FIRST, films, folder / "suite"):
+        (place / "labels.json").write_text("{")  # a careless owner leaves them lying about
+    for name in ("plans", "answers"):
+        (folder / name).mkdir()
+    real = open
+
+    def seen(path, *arguments, **options):
+        opened.append(str(path))
+        return real(path, *arguments, **options)
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(next_plan, "runner_of", lambda options: ToyRunner())
+        for place in ("builtins.open", "io.open"):
+            patch.setattr(place, seen)
+        for place in ("next_plan", "next_answers"):
+            patch.setattr(f"fvcollapse.blind.{place}.runner_of", lambda options: ToyRunner())
         assert keep_plans([case], folder / "plans", OPTIONS) == {}
-    return folder, json.loads((folder / "plans" / "case_001.json").read_text())
+        assert keep_next_answers([case], (folder / "films", folder / "answers"), OPTIONS) == {}
+    plan, found = (
+        json.loads((folder / name / "case_001.json").read_text()) for name in ("plans", "answers")
+    )
+    return SimpleNamespace(folder=folder, plan=plan, found=found, opened=opened)
 
 
 def test_a_plan_recommends_what_the_diagnosis_ranks_first(laboratory):
-    _, plan = laboratory
+    plan = laboratory.plan
     gains = [about["expected_gain"] for about in plan["candidates"].values()]
     assert gains == sorted(gains, reverse=True)
     assert plan["recommended"] == next(iter(plan["candidates"]))
@@ -98,7 +119,7 @@ def test_the_random_choice_is_of_the_list_and_follows_from_the_name():
 
 
 def test_nothing_to_plan_where_nothing_is_left_to_separate(laboratory, monkeypatch, tmp_path):
-    folder, _ = laboratory
+    folder = laboratory.folder
     monkeypatch.setattr(next_plan, "runner_of", lambda options: ToyRunner())
     monkeypatch.setattr(next_plan, "choices", lambda *_: [])
     keep_plans([folder / "suite" / "case_001"], tmp_path, OPTIONS)
@@ -107,7 +128,7 @@ def test_nothing_to_plan_where_nothing_is_left_to_separate(laboratory, monkeypat
 
 
 def test_a_case_that_cannot_be_compared_is_told(laboratory, monkeypatch, tmp_path):
-    folder, _ = laboratory
+    folder = laboratory.folder
 
     def fail(*_):
         raise NumericalError("no pivot")
@@ -237,12 +258,8 @@ def test_other_labels_than_the_sealed_ones_measure_nothing(wedges):
 # -- answers ---------------------------------------------------------------------------------------------------------
 
 
-def test_answers_are_to_the_first_and_one_next_experiment(laboratory, monkeypatch, tmp_path):
-    folder, plan = laboratory
-    monkeypatch.setattr("fvcollapse.blind.next_answers.runner_of", lambda options: ToyRunner())
-    places = folder / "films", tmp_path
-    assert keep_next_answers([folder / "suite" / "case_001"], places, OPTIONS) == {}
-    found = json.loads((tmp_path / "case_001.json").read_text())
+def test_answers_are_to_the_first_and_one_next_experiment(laboratory, tmp_path):
+    plan, found = laboratory.plan, laboratory.found
     assert set(found) == {"width_0.05", "slope_angle_22"}
     entry = together(plan, found)
     assert entry["added"]["width_0.05"]["answer"] == found["width_0.05"]
@@ -258,23 +275,8 @@ def test_answers_are_to_the_first_and_one_next_experiment(laboratory, monkeypatc
     assert best == "cohesion"
 
 
-def test_plans_and_answers_open_no_file_of_labels(laboratory, monkeypatch, tmp_path):
-    folder, _ = laboratory
-    case, opened = folder / "suite" / "case_001", []
-    for place in (case, case / FIRST, folder / "films" / "case_001", folder / "suite"):
-        (place / "labels.json").write_text("{")  # a careless owner leaves them lying about
-    real = open
-    monkeypatch.setattr(
-        "builtins.open", lambda path, *a, **o: opened.append(str(path)) or real(path, *a, **o)
-    )
-    monkeypatch.setattr(
-        "io.open", lambda path, *a, **o: opened.append(str(path)) or real(path, *a, **o)
-    )
-    monkeypatch.setattr(next_plan, "runner_of", lambda options: ToyRunner())
-    monkeypatch.setattr("fvcollapse.blind.next_answers.runner_of", lambda options: ToyRunner())
-    keep_plans([case], tmp_path, OPTIONS)
-    keep_next_answers([case], (folder / "films", tmp_path), OPTIONS)
-    read = [path for path in opened if str(folder) in path]
+def test_plans_and_answers_open_no_file_of_labels(laboratory):
+    read = [path for path in laboratory.opened if str(laboratory.folder) in path]
     assert any(path.endswith("profiles.csv") for path in read)
     assert not [path for path in read if "labels" in path]
     assert not [path for path in read if "slope20" in path]  # the case has a second experiment
