@@ -99,9 +99,12 @@ def rows_without_time(folder):
 
 
 def report_without_cost(folder):
+    """The report without what says how it was made: cost, date, folder, which runs were at hand before."""
     report = json.loads((folder / "out/report.json").read_text(encoding="utf-8"))
     report.pop("cost")
-    report["details"].pop("made")  # the date and the folder
+    report["details"].pop("made")
+    for group in report["details"]["runs"]:
+        group.pop("cached")
     return report
 
 
