@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fvcollapse.blind.other_closure import FEW, MANY
 from fvcollapse.blind.plain_values import Drawn
 from fvcollapse.blind.set_ups import BLIND_DESIGNS, TRAINING_DESIGNS
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
@@ -39,8 +40,12 @@ class Style(NamedTuple):
         Length [m] and time [s] over which the error of the believed model varies.
     designs : tuple of tuples of str
         Set-ups of the experiments of a case.
+    form_waves : int
+        Waves in the response to effects that act by another closure; see `other_closure`.
     slight_share : float
         Share of worlds whose own physics is slight.
+    other_closures : float
+        Share of the cases with effects in which these act by another closure.
     """
 
     cells: tuple[float, float]
@@ -53,7 +58,9 @@ class Style(NamedTuple):
     worlds: tuple[str, ...]
     error_lengths: tuple[float, float]
     designs: tuple[tuple[str, ...], ...]
+    form_waves: int
     slight_share: float = 0.5
+    other_closures: float = 0.4
 
 
 TRAINING = Style(
@@ -67,6 +74,7 @@ TRAINING = Style(
     worlds=("thin_layers", "dilatant_grains", "slippery_bed", "uneven_bed"),
     error_lengths=(0.15, 0.30),
     designs=TRAINING_DESIGNS,
+    form_waves=MANY,
 )
 BLIND = Style(
     cells=(14.5, 17.0),
@@ -85,6 +93,7 @@ BLIND = Style(
     worlds=("thin_layers_without_fluidity", "hysteretic_grains", "rubbing_walls", "loose_bed"),
     error_lengths=(0.08, 0.20),
     designs=BLIND_DESIGNS,
+    form_waves=FEW,
 )
 
 

@@ -102,6 +102,18 @@ class FallenGrains(msgspec.Struct, tag_field="kind", tag="fallen_grains"):
     """See `outside.fallen_grains`."""
 
 
+class Form(msgspec.Struct):
+    """See `other_closure.draw_form`."""
+
+    share: Share
+    waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
+    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
+
+    def __post_init__(self) -> None:
+        if len(self.waves) != len(self.phases):
+            raise ValueError("as many phases as waves")
+
+
 class Run(msgspec.Struct):
     """One experiment of a label."""
 
@@ -109,6 +121,12 @@ class Run(msgspec.Struct):
     forces: list[LinearDrag | QuadraticDrag | Strip | UnevenFriction]
     readings: list[SmoothError | Magnification | Clock | GrainLoss | FallenGrains]
     noise: Whole
+    without: str | msgspec.UnsetType = msgspec.UNSET
+    form: Form | msgspec.UnsetType = msgspec.UNSET
+
+    def __post_init__(self) -> None:
+        if (self.without is msgspec.UNSET) != (self.form is msgspec.UNSET):
+            raise ValueError("`without` and `form` together")
 
 
 class Drawn(msgspec.Struct):
@@ -137,6 +155,7 @@ class Label(msgspec.Struct):
     cause: str
     unknown_kind: str | None
     effects: dict[str, Drawn]
+    form: Form | None
     experiments: dict[str, Run]
 
 

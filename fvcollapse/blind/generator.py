@@ -5,13 +5,15 @@ class, a style and a world, so that a suite can be continued.
 """
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
 
 from fvcollapse.blind.causes import Style, draw_effect
+from fvcollapse.blind.other_closure import draw_form
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.blind.plain_values import Drawn, Keys, Label, Outside, Run, World
+from fvcollapse.blind.plain_values import Drawn, Form, Keys, Label, Outside, Run, World
 from fvcollapse.blind.set_ups import CONTROL, STATEMENTS, SetUp, set_up_of
 from fvcollapse.blind.worlds import draw_world, folded, numerics_keys
 from fvcollapse.case.case import Case
@@ -68,8 +70,8 @@ def draw_label(
     Returns
     -------
     dict
-        `cause`, `unknown_kind` (None unless unknown), `effects` {name: `draw_effect`}, `outside`, `world`, and for
-        each of the `experiments`: `case` (TOML text of the truth), `forces`, `readings` and `noise` (seed).
+        `cause`, `unknown_kind` (None unless unknown), `effects` {name: `draw_effect`}, `form` (of the response to
+        them; None: that of the catalogue), `outside`, `world`, and `draw_run` for each of the `experiments`.
     """
     for attempt in range(TRIES):
         rng = np.random.default_rng([seed, attempt])
@@ -95,11 +97,15 @@ def try_label(
     outside = UNKNOWNS[kind](rng, geometry) if kind else {}
     chosen = () if cause in (NONE, UNKNOWN) else cause.split("+")
     effects = {name: draw_effect(name, style, rng) for name in chosen}
-    runs = {name: draw_run(set_up_of(name), effects, outside, world, rng) for name in names}
+    form = None
+    if effects and rng.random() < style.other_closures:
+        form = draw_form(rng, style.form_waves, style.error_lengths)
+    runs = {name: draw_run(set_up_of(name), effects, outside, world, rng, form) for name in names}
     return {
         "cause": cause,
         "unknown_kind": kind,
         "effects": effects,
+        "form": form,
         "outside": outside,
         "world": world,
         "experiments": runs,
@@ -117,7 +123,8 @@ def draw_added(label: Label, set_up: SetUp, seed: Sequence[int]) -> Run:
     for attempt in range(TRIES):
         rng = np.random.default_rng([*seed, attempt])
         try:
-            return draw_run(set_up, label["effects"], label["outside"], label["world"], rng)
+            hidden = label["effects"], label["outside"], label["world"]
+            return draw_run(set_up, *hidden, rng, label["form"])
         except CaseError:  # values that cannot be together
             continue
     raise ValueError(f"{TRIES} draws of {set_up} do not fit together")
@@ -129,8 +136,9 @@ def draw_run(
     outside: Outside,
     world: World,
     rng: np.random.Generator,
+    form: Form | None = None,
 ) -> Run:
-    """One run of a world: `case`, `forces`, `readings` and `noise`.
+    """One run of a world: `case`, `forces`, `readings` and `noise`; with a form of the response, `without` and `form`.
 
     Parameters
     ----------
@@ -141,18 +149,25 @@ def draw_run(
         A cause outside the catalogue; see `outside.UNKNOWNS`.
     world : dict
     rng : numpy.random.Generator
+    form : dict, optional
+        Form of the response to the effects; default: that of the catalogue.
 
     Raises
     ------
     CaseError
     """
     sections = {name: drawn["section"] for name, drawn in effects.items()}
-    return {
+    plain = deepcopy(rng)  # the same errors of the set-up
+    run: Run = {
         "case": draw_truth(set_up, sections, outside, world, rng).to_toml(),
         "forces": [*world["forces"], *outside.get("forces", ())],
         "readings": [*world["readings"], *outside.get("readings", ())],
         "noise": int(rng.integers(2**63)),
     }
+    if form is not None:
+        run["without"] = draw_truth(set_up, {}, outside, world, plain).to_toml()
+        run["form"] = form
+    return run
 
 
 def draw_truth(

@@ -22,7 +22,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import solver_version
 
 LABELS_FORMAT = "fvcollapse-labels"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 
 class Draw(NamedTuple):

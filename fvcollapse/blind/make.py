@@ -21,10 +21,11 @@ from fvcollapse.blind.labels import (
     write_labels,
 )
 from fvcollapse.blind.measurement import film
+from fvcollapse.blind.other_closure import reformed
 from fvcollapse.blind.plain_values import Entry, Plan, Run, World
 from fvcollapse.blind.seal import SEAL, canonical, refuse_count, seal_text
 from fvcollapse.blind.set_ups import SetUp, errors_of, set_up_of, settings_text
-from fvcollapse.blind.truth import keep_truth, view_of
+from fvcollapse.blind.truth import View, keep_truth, view_of
 from fvcollapse.case.case import case_from_text
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
@@ -33,6 +34,7 @@ from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.studies.workers import HERE, Resources, refuse_workers, run_all
 
 REDRAWS = 5  # of a case whose truth cannot be computed
+WITHOUT = ".without"  # end of the names of truths without the hidden effects
 MOMENT = 946_684_800  # s; modification time of every file: 1 January 2000
 
 
@@ -146,8 +148,9 @@ def compute(plan: Plan, work: Path, resources: Resources) -> dict[str, Numerical
         }
         for (owner, place), runs in places.items():
             for run, experiment in runs.items():
-                path = work / place / f"{run}.h5"
-                calls[owner, place, run] = (experiment["case"], experiment["forces"], path)
+                for name, text in texts_of(run, experiment).items():
+                    path = work / place / f"{name}.h5"
+                    calls[owner, place, name] = (text, experiment["forces"], path)
 
     def finished(call: tuple[str, str, str], outcome: FvcollapseError | None) -> None:
         if isinstance(outcome, NumericalError):
@@ -157,6 +160,22 @@ def compute(plan: Plan, work: Path, resources: Resources) -> dict[str, Numerical
 
     run_all(keep_truth, calls, finished, *resources)
     return failed
+
+
+def texts_of(name: str, run: Run) -> dict[str, str]:
+    """{name of a truth: TOML text} of what a run needs: its truth, and the one without its effects."""
+    texts = {name: run["case"]}
+    return texts | {name + WITHOUT: run["without"]} if "without" in run else texts
+
+
+def seen_of(name: str, run: Run, truths: Path) -> View:
+    """What is seen of a run whose truths are in a folder, without noise."""
+    case = case_from_text(run["case"])
+    view = view_of(truths / f"{name}.h5", case, run)
+    if "without" not in run:
+        return view
+    plain = view_of(truths / f"{name}{WITHOUT}.h5", case_from_text(run["without"]), run)
+    return reformed(view, plain, run["form"], case.front.thickness)
 
 
 def write_case(folder: Path, entry: Entry, truths: Path, work: Path) -> None:
@@ -175,9 +194,9 @@ def write_experiment(
     folder: Path, experiment: Run, world: World, truths: Path, set_up: SetUp | None = None
 ) -> None:
     """Write the folder of one experiment, whose name is that of its set-up unless one is given."""
-    name, case = folder.name, case_from_text(experiment["case"])
-    set_up, common = set_up or set_up_of(name), world["common"]
-    view = view_of(truths / f"{name}.h5", case, experiment)
+    name, common = folder.name, world["common"]
+    set_up = set_up or set_up_of(name)
+    view = seen_of(name, experiment, truths)
     rng = np.random.default_rng(experiment["noise"])
     errors = errors_of(set_up, world["statement"], world["quality"])
     camera: dict[str, float] = {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fvcollapse.blind.generator import draw_added
 from fvcollapse.blind.labels import read_labels
-from fvcollapse.blind.make import write_experiment
+from fvcollapse.blind.make import WITHOUT, texts_of, write_experiment
 from fvcollapse.blind.next_plan import first_experiment
 from fvcollapse.blind.plain_values import Entry, Run
 from fvcollapse.blind.seal import check_seal
@@ -64,20 +64,24 @@ def film_next(
     def finished(call: Call, outcome: FvcollapseError | None) -> None:
         """Film a truth that has been run."""
         if isinstance(outcome, NumericalError):
-            failed[call] = outcome
+            failed[call[0], call[1].removesuffix(WITHOUT)] = outcome
             return
         if isinstance(outcome, FvcollapseError):
             raise outcome
+        if call not in wanted or call in failed:
+            return
         case, name = call
         set_up, run = wanted[call]
         world = entries["cases"][case]["label"]["world"]
         write_experiment(out / case / name, run, world, work / case, set_up)
 
-    calls = {
-        (case, name): (run["case"], run["forces"], work / case / f"{name}.h5")
-        for (case, name), (_, run) in wanted.items()
-    }
-    run_all(keep_truth, calls, finished, *resources)
+    calls: dict[Call, tuple] = {}
+    for (case, name), (_, run) in wanted.items():
+        for truth, text in texts_of(name, run).items():
+            calls[case, truth] = (text, run["forces"], work / case / f"{truth}.h5")
+    for is_shown in (False, True):  # what a film is made of is run before it
+        some = {call: each for call, each in calls.items() if (call in wanted) == is_shown}
+        run_all(keep_truth, some, finished, *resources)
     shutil.rmtree(work)
     return failed
 

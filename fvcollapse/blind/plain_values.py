@@ -24,12 +24,25 @@ class Outside(TypedDict, total=False):
 
 
 class Run(TypedDict):
-    """One run: the TOML text of its truth, forces, wrong readings, and the seed of its noise."""
+    """One run: the TOML text of its truth, forces, wrong readings, and the seed of its noise.
+
+    Where the hidden effects act by another closure: `without`, the truth without them, and the `form` of the response.
+    """
 
     case: str
     forces: list[Force]
     readings: list[Reading]
     noise: int
+    without: NotRequired[str]
+    form: NotRequired["Form"]
+
+
+class Form(TypedDict):
+    """Form of the response to effects that act by another closure; see `other_closure.draw_form`."""
+
+    share: float
+    waves: list[list[float]]
+    phases: list[float]
 
 
 class Drawn(TypedDict):
@@ -64,6 +77,7 @@ class Label(TypedDict):
     cause: str
     unknown_kind: str | None
     effects: dict[str, Drawn]
+    form: Form | None
     outside: Outside
     world: World
     experiments: dict[str, Run]

@@ -84,12 +84,13 @@ def score(
 def by_laboratory(
     cases: Mapping[str, Entry], outcomes: Sequence[Outcome]
 ) -> dict[str, dict[str, dict[str, Average]]]:
-    """`ranking` by strength and statement of the world, number of its controls, and number of experiments."""
+    """`ranking` by strength and statement of the world, its controls, number of experiments, closure of the effects."""
     keys: dict[str, Callable[[Label], str]] = {
         "strength": lambda label: label["world"]["strength"],
         "statement": lambda label: label["world"]["statement"],
         "controls": lambda label: str(len(label["world"]["controls"])),
         "experiments": lambda label: str(len(label["experiments"])),
+        "closure": closure_of,
     }
     table = {}
     for axis, key in keys.items():
@@ -98,6 +99,13 @@ def by_laboratory(
             groups.setdefault(key(entry["label"]), []).append(outcome)
         table[axis] = {value: ranking(group) for value, group in sorted(groups.items())}
     return table
+
+
+def closure_of(label: Label) -> str:
+    """Whether the effects of a case act by a closure of the catalogue, by another one, or there are none."""
+    if not label["effects"]:
+        return "no effect"
+    return "catalogue" if label["form"] is None else "another"
 
 
 def read_answers(path: str | Path, cases: Mapping[str, Entry]) -> dict[str, Answer]:
