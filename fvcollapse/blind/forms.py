@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
+from fvcollapse.blind.run_forms import Form, Positive, Run, Share, Whole
 from fvcollapse.blind.set_ups import CONTROL, SET_UPS, STATEMENTS
 from fvcollapse.case.grammar import Section, closest_name, show
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
@@ -25,108 +26,11 @@ NAMES = 'effects of the catalogue, two of them joined by "+" in alphabetical ord
 CASE_NAME = re.compile(r"case_[0-9]{1,12}")
 SUM_TOLERANCE = 1.0e-3
 
-Whole = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
-Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
-Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 Digest = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}\Z")]
 Salt = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{32}\Z")]
 
 
 # -- labels ------------------------------------------------------------------------------------------------
-
-
-class LinearDrag(msgspec.Struct, tag_field="kind", tag="linear_drag"):
-    """See `outside.linear_drag`."""
-
-    rate: float
-
-
-class QuadraticDrag(msgspec.Struct, tag_field="kind", tag="quadratic_drag"):
-    """See `outside.quadratic_drag`."""
-
-    length: Positive
-
-
-class Strip(msgspec.Struct, tag_field="kind", tag="strip"):
-    """See `outside.strip`."""
-
-    friction: float
-    first: float
-    last: float
-
-
-class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
-    """See `outside.uneven_friction`."""
-
-    friction: float
-    waves: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
-    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
-
-    def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
-
-
-class SmoothError(msgspec.Struct, tag_field="kind", tag="smooth_error"):
-    """See `outside.smooth_error`."""
-
-    height: Share
-    reach: Share
-    waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
-    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
-
-    def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
-
-
-class Magnification(msgspec.Struct, tag_field="kind", tag="magnification"):
-    """See `outside.magnification`."""
-
-    error: Annotated[float, msgspec.Meta(gt=-1.0, le=1.0)]
-
-
-class Clock(msgspec.Struct, tag_field="kind", tag="clock"):
-    """See `outside.clock`."""
-
-    error: Annotated[float, msgspec.Meta(gt=-1.0, le=1.0)]
-
-
-class GrainLoss(msgspec.Struct, tag_field="kind", tag="grain_loss"):
-    """See `outside.grain_loss`."""
-
-    lost: Share
-
-
-class FallenGrains(msgspec.Struct, tag_field="kind", tag="fallen_grains"):
-    """See `outside.fallen_grains`."""
-
-
-class Form(msgspec.Struct):
-    """See `other_closure.draw_form`."""
-
-    share: Share
-    waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
-    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
-
-    def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
-
-
-class Run(msgspec.Struct):
-    """One experiment of a label."""
-
-    case: str
-    forces: list[LinearDrag | QuadraticDrag | Strip | UnevenFriction]
-    readings: list[SmoothError | Magnification | Clock | GrainLoss | FallenGrains]
-    noise: Whole
-    without: str | msgspec.UnsetType = msgspec.UNSET
-    form: Form | msgspec.UnsetType = msgspec.UNSET
-
-    def __post_init__(self) -> None:
-        if (self.without is msgspec.UNSET) != (self.form is msgspec.UNSET):
-            raise ValueError("`without` and `form` together")
 
 
 class Drawn(msgspec.Struct):

@@ -66,7 +66,7 @@ WAYS = {
 NAMES_OF_WAYS = {False: "alone", True: "controls"}
 TRAINING_SEED = 2026
 # share of worlds with slight physics, which alone teach the layer of diagnoses without controls; share of --per-class
-TRAINING_SUITES = {"training": (0.5, 1.0), "training_slight": (1.0, 0.6)}
+TRAINING_SUITES = {"training": (0.5, 1.0), "training_slight": (1.0, 1.2)}
 WITH_CONTROLS = ("training",)  # those that teach the layer of diagnoses with controls
 
 

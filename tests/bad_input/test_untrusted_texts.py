@@ -12,7 +12,7 @@ from mutated.values import DEEP_LIST
 
 from fvcollapse import load_experiment
 from fvcollapse.__main__ import main
-from fvcollapse.blind import forms, outside
+from fvcollapse.blind import outside, run_forms
 from fvcollapse.blind.labels import LABELS_FORMAT
 from fvcollapse.blind.make import make
 from fvcollapse.blind.seal import SEAL_FORMAT, canonical, label_digest, seal_digest
@@ -197,12 +197,12 @@ def test_labels_are_refused_before_any_run(sealed, tmp_path, name):
 def test_forms_know_every_force_and_every_wrong_reading():
     known = {
         form.__struct_config__.tag
-        for form in forms.Run.__annotations__["forces"].__args__[0].__args__
+        for form in run_forms.Run.__annotations__["forces"].__args__[0].__args__
     }
     assert known == set(outside.FORCES)
     known = {
         form.__struct_config__.tag
-        for form in forms.Run.__annotations__["readings"].__args__[0].__args__
+        for form in run_forms.Run.__annotations__["readings"].__args__[0].__args__
     }
     assert known == set(outside.READINGS)
 

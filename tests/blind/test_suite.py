@@ -65,8 +65,8 @@ def toy_suite(folder, causes):
             mu_1=float(rng.normal(0.45, 0.012)),
         )
         kind = ("balloon", "sponge")[number % 2] if cause == "unknown" else None
-        label = {"cause": cause, "unknown_kind": kind, "effects": effects, "experiments": {}}
-        label["world"] = toy_world(number // 2)
+        label = {"cause": cause, "unknown_kind": kind, "effects": effects}
+        label |= {"form": None, "world": toy_world(number // 2), "experiments": {}}
         entry = {"salt": "00" * 16, "seed": number, "world_seed": 0, "attempt": 0, "label": label}
         cases[name] = entry
     plan = {"format": LABELS_FORMAT, "cases": cases}
