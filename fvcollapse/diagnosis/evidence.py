@@ -1,12 +1,13 @@
 """Evidence of every effect, of none and of something unknown, given one gap.
 
 With gap = simulated - measured, and Delta_k(u) the response to effect k, the evidence is the `likelihood` integrated
-over the parameters and the size of the discrepancy (`quadrature`). "none" is Delta = 0 with the same discrepancies s;
-"unknown" is Delta = 0 with large ones, a discrepancy promoted to a hypothesis. Closures of one effect share its prior
-equally. The three best single effects are also joined with every other one (what two effects do together may look most
-like a third): the gain of the second tells whether there are two. (Two visible effects add 15 to 200 to ln evidence;
-where there is one or none, 90 % add less than 3. A failed check, as the condition, named 2 of 30 hidden pairs.) Raw
-evidences are over-confident; the verdict layer turns them into probabilities.
+over the parameters and the size of the discrepancy (`quadrature`). "none" is Delta = 0 with small discrepancies s;
+"unknown" is Delta = 0 with large ones, a discrepancy promoted to a hypothesis. An effect may leave a large one as well:
+its closure is not that of real grains. Closures of one effect share its prior equally. The three best single effects
+are also joined with every other one (what two effects do together may look most like a third): the gain of the second
+tells whether there are two. (Two visible effects add 15 to 200 to ln evidence; where there is one or none, 90 % add
+less than 3. A failed check, as the condition, named 2 of 30 hidden pairs.) Raw evidences are over-confident; the
+verdict layer turns them into probabilities.
 
 References
 ----------
@@ -27,6 +28,7 @@ from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.quadrature import (
     DISCREPANCIES,
+    EFFECT_DISCREPANCIES,
     UNKNOWN_DISCREPANCIES,
     integrate,
     intervals,
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
     View = Mapping[float, Seen]  # a gap through the eyes of C(s), by s
 
 PAIR_ODDS = 0.1
+LARGEST = float(DISCREPANCIES[-1])  # discrepancy of predictive checks
 JOINED = 3  # best single effects that are joined with every other one
 WHOLE = 3  # best pairs whose intervals, and evidence under wider priors, are computed
 CHECK_PASSED = 0.05  # p-value from which a hypothesis passes the predictive check
@@ -70,7 +73,7 @@ class Hypothesis(NamedTuple):
         Most probable quantiles of the parameters (of a pair: of both), and the ends of their 90 % intervals, the
         likelihood tempered by `INTERVAL_TEMPERATURE` (by the number of values at most); else whole priors.
     p_value, p_by_run, p_by_phase : float, dict, dict
-        Chi-square of the residual at u and sigma: of all points, of each experiment, of each (experiment, phase).
+        Chi-square of the residual at u and sigma (at most `LARGEST`): of all points, of each experiment and its phases.
     residual_outside : float
         Mean square of the whitened residual outside the span of all responses; about 1 if the covariance is right.
     difference : (N,) array
@@ -178,7 +181,7 @@ class ModelComparison:
                 columns += [response.differences, response.errors]
                 self.closures[name].append(ResponseColumns((variant,), (response,), levels, errors))
         self.columns = np.vstack([*columns, np.empty((0, len(covariance)))]).T
-        sigmas = (*DISCREPANCIES, *UNKNOWN_DISCREPANCIES)
+        sigmas = sorted({*DISCREPANCIES, *EFFECT_DISCREPANCIES, *UNKNOWN_DISCREPANCIES})
         self.whitened = {sigma: Whitened(self, sigma) for sigma in sigmas}
         observable = np.full(len(covariance), "all") if points is None else points.observable
         full = self.whitened[DISCREPANCY].full
@@ -187,10 +190,8 @@ class ModelComparison:
     def evidence(self, gap: np.ndarray, pairs: bool = True) -> Evidence:
         """The `Evidence` of a gap (N,); `pairs`: also of two effects together."""
         seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
-        hypotheses = [
-            self.without_effect(gap, seen, NONE, DISCREPANCIES),
-            self.without_effect(gap, seen, UNKNOWN, UNKNOWN_DISCREPANCIES),
-        ]
+        without = ((NONE, DISCREPANCIES), (UNKNOWN, UNKNOWN_DISCREPANCIES))
+        hypotheses = [self.without_effect(gap, seen, *each) for each in without]
         single = [self.with_effect(gap, seen, name, each) for name, each in self.closures.items()]
         single = self.directed(gap, single)
         single.sort(key=lambda each: -each.log_evidence)
@@ -213,10 +214,8 @@ class ModelComparison:
     def best_name(self, gap: np.ndarray) -> str:
         """Name of the hypothesis of the largest evidence of a gap (N,), pairs left out."""
         seen = {sigma: each.see(gap) for sigma, each in self.whitened.items()}
-        logs = {
-            name: log_evidence_without(seen, sigmas)[0]
-            for name, sigmas in ((NONE, DISCREPANCIES), (UNKNOWN, UNKNOWN_DISCREPANCIES))
-        }
+        without = {NONE: DISCREPANCIES, UNKNOWN: UNKNOWN_DISCREPANCIES}
+        logs = {name: log_evidence_without(seen, each)[0] for name, each in without.items()}
         for name, closures in self.closures.items():
             parts = [integrate(seen, closure, (0.0, 1.0)).log_evidence for closure in closures]
             logs[name] = float(log_sum_exp(np.array(parts)) - np.log(len(closures)))
@@ -257,7 +256,7 @@ class ModelComparison:
         row, column = np.unravel_index(
             np.argmax(posterior.log_likelihood), posterior.log_likelihood.shape
         )
-        u, sigma = posterior.nodes[row], float(DISCREPANCIES[column])
+        u, sigma = posterior.nodes[row], float(EFFECT_DISCREPANCIES[column])
         share = np.log(len(closures))
         log_evidence = log_wide = float(log_sum_exp(logs) - share)
         low, high = np.zeros(len(u)), np.ones(len(u))
@@ -267,7 +266,8 @@ class ModelComparison:
             tempered = integrate(seen, closure, (0.0, 1.0), min(INTERVAL_TEMPERATURE, len(gap)))
             low, high = intervals(tempered, u)
         difference, errors = response_at(closure, u)
-        checks = self.checks(gap, seen[sigma], difference, errors)
+        # the check is one of the effect: what a large discrepancy takes up fails it
+        checks = self.checks(gap, seen[min(sigma, LARGEST)], difference, errors)
         log_prior = float(np.log(PAIR_ODDS)) if "+" in name else 0.0
         return Hypothesis(
             *(name, log_evidence, log_wide, log_prior, sigma, closure.variant, u, low, high),

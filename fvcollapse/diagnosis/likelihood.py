@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from fvcollapse.diagnosis.orthant import log_probability_positive
 
@@ -78,7 +78,7 @@ class Whitened:
         products = white.T @ white
         square, met, spread = products[0, 0], products[0, 1:], products[1:, 1:]
         square -= met @ np.linalg.solve(np.eye(len(met)) + spread, met)
-        return float(chi2.sf(square, len(rows)))
+        return float(chdtrc(len(rows), square))
 
     def basis(self) -> np.ndarray:
         """Orthonormal basis of the whitened columns; computed once."""

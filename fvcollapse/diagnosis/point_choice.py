@@ -124,7 +124,9 @@ def nearest(values: "ArrayLike", targets: Iterable[float]) -> np.ndarray:
 
 
 def chosen_times(time: np.ndarray, run: Run, moving: int, resting: int) -> np.ndarray:
-    """Rows of a curve over time: `moving` of them until the front stops and `resting` after."""
+    """Rows of a curve over time: `moving` of them until the front stops and `resting` after; all of a short curve."""
+    if len(time) <= moving + resting:
+        return np.arange(len(time))
     stop = min(max(run.duration, time[0]), time[-1])
     before = np.linspace(time[0], stop, moving + 1)[1:]
     after = np.linspace(stop, time[-1], resting + 1)[1:]

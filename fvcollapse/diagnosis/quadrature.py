@@ -18,7 +18,9 @@ from fvcollapse.diagnosis.node_likelihood import stack_of
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.likelihood import ResponseColumns, Seen
 
-DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])
+DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8])  # where nothing acts
+# where an effect acts: its closure is not that of real grains, so that with it more may be left
+EFFECT_DISCREPANCIES = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2])
 UNKNOWN_DISCREPANCIES = np.array([1.0, 2.0, 4.0, 8.0])
 CAUCHY = 0.15  # scale of the half-Cauchy prior of s; the grid is even in log s
 NODES = {1: 128}  # of the quadrature; in more dimensions:
@@ -125,7 +127,7 @@ def along_ridge(
         inside = ((nodes > limits[0]) & (nodes < limits[1])).all(axis=1)
         fitted = log_density_t(nodes - centre, factor)
         density = np.logaddexp(np.log(0.9) + fitted, np.log(0.1) + log_prior)
-        log_likelihood = np.full((len(nodes), len(DISCREPANCIES)), -np.inf)
+        log_likelihood = np.full((len(nodes), len(EFFECT_DISCREPANCIES)), -np.inf)
         log_likelihood[inside] = likelihood(seen, closure, nodes[inside], temperature)
         posterior = Posterior.of(nodes, log_likelihood, log_prior - density)
         if posterior.effective() >= LEAST_SHARE * len(nodes):
@@ -155,9 +157,9 @@ def likelihood(
     temperature: float = 1.0,
 ) -> np.ndarray:
     """Log-likelihood / temperature, x weight of s, (q, number of s)."""
-    own = [seen[sigma] for sigma in DISCREPANCIES]
+    own = [seen[sigma] for sigma in EFFECT_DISCREPANCIES]
     log_values = stack_of(own, closure).log_likelihood(own, nodes)
-    return log_values / temperature + sigma_weights(DISCREPANCIES)
+    return log_values / temperature + sigma_weights(EFFECT_DISCREPANCIES)
 
 
 def log_density_t(apart: np.ndarray, factor: np.ndarray) -> np.ndarray:

@@ -115,6 +115,13 @@ def test_blocks_of_an_experiment_follow_one_another(dense, sparse):
     assert list(points.kind[-2:]) == ["value", "upper"]
 
 
+def test_no_measured_point_of_a_short_curve_is_left_out(tmp_path):
+    rows = "".join(f"{0.02 + 0.1 * n:.2f},{0.2 + 0.05 * n:.3f}\n" for n in range(10))
+    folder = write_experiment(tmp_path / "ten", front="t_s,x_front_m\n" + rows)
+    points = choose_points([load_experiment(folder)])
+    assert (points.observable == "front").sum() == 10
+
+
 def test_a_simulation_of_the_film_itself_leaves_no_gap(dense):
     points = choose_points([dense])
     simulated = points.simulated({"dense": simulation()})
