@@ -16,7 +16,7 @@ def add_options(parser):
     """Options of this study."""
     parser.add_argument("--per-class", type=int, default=18, help="cases of an effect; default 18")
     parser.add_argument(
-        "--taught", type=int, default=240, help="training cases with controls; default 240"
+        "--taught", type=int, default=240, help="cases of a suite that teach; default 240"
     )
     parser.add_argument(
         "--used-up",

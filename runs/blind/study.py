@@ -97,8 +97,7 @@ def fit_verdict(arguments):
         names = WITH_CONTROLS if controls else TRAINING_SUITES
         for folder, name in [*((arguments.out, name) for name in names), *used_up]:
             labels = folder / f"{name}.labels.json"
-            only = sorted(teaching_cases(labels, controls))
-            only = only[: arguments.taught] if controls else only
+            only = sorted(teaching_cases(labels, controls))[: arguments.taught]
             suites.append((compare(arguments, folder, name, controls, only), labels))
         pairs = teachers(suites, controls)
         about = {"seed": TRAINING_SEED, "per_class": arguments.per_class}
