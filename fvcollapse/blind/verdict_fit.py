@@ -7,15 +7,15 @@ classes) the same cases left out were judged worse (log score 1.30 against 1.17,
 
 References
 ----------
-Vovk (2015), Ann. Math. Artif. Intell. 74, 9 (cross-conformal); McFadden (1974), in Frontiers in Econometrics, 105
-(conditional logit).
+Guo et al. (2017), Proc. Mach. Learn. Res. 70, 1321 (temperature scaling); McFadden (1974), in Frontiers in
+Econometrics, 105 (conditional logit); Vovk (2015), Ann. Math. Artif. Intell. 74, 9 (cross-conformal).
 """
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 from fvcollapse.diagnosis.verdict_features import class_of, features, known_logits
 from fvcollapse.diagnosis.verdict_model import (
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 PENALTY, PENALTY_OWN, PENALTY_CASE = 0.001, 0.03, 0.03
 FOLDS = 5
 LEAST_CASES = 2  # of a class
+FACTORS = (0.1, 1.0)  # on the logits of a fit
 
 
 class Origin(NamedTuple):
@@ -95,8 +96,10 @@ def fit(
         ~np.isnan(own[:, :, 0]),
         np.array([classes.index(name) for name in truth]),
     )
-    scores = out_of_fold(table, classes, origins)
-    slopes, case_slopes, intercept = regression(table, classes)
+    unseen = out_of_fold(table, classes, origins)
+    sharpness = sharpness_of(unseen, table.truth, classes)
+    scores = 1.0 - of_truth(softmax(sharpness * unseen), table.truth)
+    slopes, case_slopes, intercept = (sharpness * part for part in regression(table, classes))
     return VerdictModel(
         effects=effects,
         classes=classes,
@@ -197,16 +200,37 @@ def regression(table: Table, classes: Sequence[str]) -> tuple[np.ndarray, np.nda
 def out_of_fold(
     table: Table, classes: Sequence[str], origins: Sequence[Origin] | None = None, seed: int = 0
 ) -> np.ndarray:
-    """1 - probability of the true class, (m,), each case judged by a model fitted without its world and its kind."""
+    """Logits (m, K), each case judged by a model fitted without its world and its kind."""
     if origins is None:
         origins = [Origin(f"{number}") for number in range(len(table.truth))]
-    scores = np.empty(len(table.truth))
+    unseen = np.empty(table.offset.shape)
     for judged, teaching in left_out(origins, seed):
-        own = table.of(judged)
         found = regression(table.of(teaching), classes)
-        shares = softmax(logits(*own[:-1], found))
-        scores[judged] = 1.0 - shares[np.arange(len(own.truth)), own.truth]
-    return scores
+        unseen[judged] = logits(*table.of(judged)[:-1], found)
+    return unseen
+
+
+def sharpness_of(unseen: np.ndarray, truth: np.ndarray, classes: Sequence[str]) -> float:
+    """Factor on the logits (m, K) of cases left out that gives them the best log score; classes count as their prior.
+
+    A fit is surer of worlds that it has seen than it may be of others (temperature scaling, Guo et al. 2017).
+    """
+    known = np.isfinite(of_truth(unseen, truth))
+    unseen, truth = unseen[known], truth[known]
+    prior, counts = class_prior(classes), np.bincount(truth, minlength=len(classes))
+    weights = np.array([prior[name] for name in classes])[truth] / counts[truth]
+
+    def loss(factor: float) -> float:
+        """Weighted log score."""
+        shares = of_truth(softmax(factor * unseen), truth)
+        return float(-weights @ np.log(np.maximum(shares, 1.0e-300)))
+
+    return float(minimize_scalar(loss, bounds=FACTORS, method="bounded").x)
+
+
+def of_truth(values: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """The values (m, K) of the true classes, (m,)."""
+    return values[np.arange(len(truth)), truth]
 
 
 def left_out(

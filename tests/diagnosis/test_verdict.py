@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fvcollapse.blind.verdict_fit import sharpness_of
 from fvcollapse.blind.verdict_training import fit
 from fvcollapse.diagnosis.evidence import Evidence, Hypothesis
 from fvcollapse.diagnosis.left import Left
@@ -28,6 +29,7 @@ from fvcollapse.diagnosis.verdict_model import (
     VerdictModel,
     class_prior,
     from_json,
+    softmax,
     solver_of,
     to_json,
 )
@@ -395,3 +397,25 @@ def test_nothing_unknown_where_nothing_asks_for_an_explanation(model):
     for layer in (model, None):
         chances = [verdict(each, layer).probability[UNKNOWN] for each in (quiet, loud)]
         assert chances[0] < 0.1 < 0.4 < chances[1]
+
+
+@pytest.mark.parametrize("factor", [0.25, 0.5, 0.9])
+def test_the_sharpness_of_cases_left_out_is_recovered(factor):
+    """Causes are drawn with the probabilities of some logits; those of the fit are sharper by a factor."""
+    rng = np.random.default_rng(4)
+    classes = (*EFFECTS, NONE, UNKNOWN)
+    right = 2.0 * rng.standard_normal((6000, len(classes)))
+    shares = softmax(right)
+    truth = (shares.cumsum(axis=1) > rng.random((len(right), 1))).argmax(axis=1)
+    prior, counts = class_prior(classes), np.bincount(truth)
+    right -= np.log([counts[n] / prior[name] for n, name in enumerate(classes)])
+    assert sharpness_of(right / factor, truth, classes) == pytest.approx(factor, rel=0.08)
+
+
+def test_a_cause_that_was_not_compared_has_no_part_in_the_sharpness():
+    rng = np.random.default_rng(5)
+    logits, truth = 3.0 * rng.standard_normal((300, 4)), rng.integers(4, size=300)
+    more, absent = np.vstack([logits, logits[:9]]), np.concatenate([truth, truth[:9]])
+    more[300 + np.arange(9), absent[300:]] = -np.inf
+    found = sharpness_of(more, absent, EFFECTS)
+    assert found == pytest.approx(sharpness_of(logits, truth, EFFECTS), rel=1e-6)
