@@ -509,7 +509,7 @@ def few():
     return report, pictures(report)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_figures_drawn_by_two_processes_are_the_same(few, workers):
     report, chapters = few
     assert sum(map(len, chapters.values())) > 3
