@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
 from fvcollapse.diagnosis.names import NONE
+from fvcollapse.diagnosis.report.sealed import right_words
 from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, may_be_named, standing
 from fvcollapse.diagnosis.report.words import CENTIMETRES, hypothesis_name, listed, number, percent
 from fvcollapse.measure.quantities import observable_words
@@ -85,6 +86,8 @@ def weak_words(report: "Report") -> list[str]:
         words.append(
             "These probabilities only rank the causes: how often such an answer is right was not tested."
         )
+    else:
+        words.append(right_words(report))
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(

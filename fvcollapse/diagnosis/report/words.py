@@ -9,7 +9,7 @@ from fvcollapse.measure.quantities import observable_words, plain_unit
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.next_candidates import Candidate
-    from fvcollapse.diagnosis.report.schema import Report, Verdict
+    from fvcollapse.diagnosis.report.schema import Comparison, Report, Verdict
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
 MINUS = "\N{MINUS SIGN}"
@@ -138,6 +138,12 @@ def first_causes(verdict: "Verdict", count: int = 3) -> str:
     """The most probable hypotheses of a verdict, with their probabilities."""
     first = list(verdict.probability.items())[:count]
     return ", ".join(f"{hypothesis_name(name)} {percent(share)}" for name, share in first)
+
+
+def thinned_words(one: "Comparison") -> str:
+    """How many of the measured points are compared; empty where all are, or where it is not recorded."""
+    compared = len(one.measured)
+    return f"{compared} of {one.of} measured points are compared" if one.of > compared else ""
 
 
 def candidate_words(candidate: "Candidate") -> str:
