@@ -3,14 +3,14 @@
 import re
 import xml.etree.ElementTree as ElementTree
 from concurrent.futures import BrokenExecutor, Future
-from html.parser import HTMLParser
 from urllib.parse import unquote
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 from page_in_browser import BROWSER, WIDTHS, measured
-from report_example import EFFECTS, FITTED, HELD_OUT, example, with_remainder
+from report_example import EFFECTS, FITTED, with_remainder
+from report_page import Page, blank, small, written
 
 from fvcollapse.diagnosis.gap_map import Region as MapRegion
 from fvcollapse.diagnosis.names import BASELINE, WINNER
@@ -19,13 +19,13 @@ from fvcollapse.diagnosis.points import Block
 from fvcollapse.diagnosis.report import figures, sentences, words
 from fvcollapse.diagnosis.report import page as page_module
 from fvcollapse.diagnosis.report.bars import bars, ranking_note
-from fvcollapse.diagnosis.report.drawing import Picture, column
+from fvcollapse.diagnosis.report.drawing import column
 from fvcollapse.diagnosis.report.figures import drawable, pictures
 from fvcollapse.diagnosis.report.gap_figures import cell
 from fvcollapse.diagnosis.report.page import write_page
 from fvcollapse.diagnosis.report.painter import Painter
 from fvcollapse.diagnosis.report.regions import region_line, region_words
-from fvcollapse.diagnosis.report.report_file import read_report, to_json, write_report
+from fvcollapse.diagnosis.report.report_file import read_report, to_json
 from fvcollapse.diagnosis.report.schema_cause import Parameter, PriorRange
 from fvcollapse.diagnosis.report.schema_gap import ObservableGap, Region
 from fvcollapse.diagnosis.report.schema_origin import Assumption
@@ -41,65 +41,11 @@ needs_browser = pytest.mark.skipif(
 LONGEST = {1280: 9000, 768: 11000, 390: 13500}  # pixels, as it opens
 SMALLEST = 8.0  # pixels: letters in a figure on a telephone
 CHAPTERS = ("which", "far", "where", "next", "overlays", "compared", "alike", "limits", "cost")
-VOID = {"meta", "br", "img", "link", "input", "hr"}
-
-
-class Page(HTMLParser):
-    """Tags that open and close in order, identifiers, addresses and the text."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.ids, self.addresses, self.text, self.tags = [], [], [], [], []
-        self.feed(text)
-        self.close()
-        self.text = " ".join(" ".join(self.text).split())
-
-    def handle_starttag(self, tag, attrs):
-        self.handle_startendtag(tag, attrs)
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        self.tags.append(tag)
-        for name, value in attrs:
-            if name == "id":
-                self.ids.append(value)
-            elif name in ("src", "href", "xlink:href", "srcset", "data"):
-                self.addresses.append(value)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        if "style" not in self.open:
-            self.text.append(data)
-
-
-def small(kind="effect", experiments=(FITTED[2], HELD_OUT[0]), observables=("front", "profiles")):
-    """The example with the comparisons of few experiments: quick to draw."""
-    report = example(kind)
-    kept = [
-        one
-        for one in report.details.comparisons
-        if one.experiment in experiments and one.observable in (*observables, "runout")
-    ]
-    return replace(report, details=replace(report.details, comparisons=kept))
 
 
 def slim(report):
     """Without the figures that depend on neither curves nor verdict, which are drawn for `page`."""
     return replace(report, details=replace(report.details, separability=None, budget={}))
-
-
-def written(report, folder, draw=None):
-    """The page of a report that went through its file."""
-    write_report(report, folder)
-    return Page(write_page(read_report(folder), folder, draw).read_text(encoding="utf-8"))
-
-
-def blank(report, count):
-    """In the place of figures, for a page whose words are looked at."""
-    return [Picture(f"blank_{n}", b"<svg></svg>", "nothing", "") for n in range(count)]
 
 
 @pytest.fixture(scope="module")

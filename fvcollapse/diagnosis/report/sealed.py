@@ -64,7 +64,7 @@ def right_words(report: "Report") -> str:
     kind = "with" if has_controls else "without"
     text = (
         f"In {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}, and "
-        f"{percent(own.confident_errors)} were wrong answers of more than 90 %"
+        f"{percent(own.confident_errors)} were wrong although they had more than 90 %"
     )
     if has_controls:
         return f"{text}."
