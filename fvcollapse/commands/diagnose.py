@@ -1,6 +1,5 @@
 """`diagnose`: the gap between experiments and a model."""
 
-import textwrap
 from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
@@ -159,10 +158,10 @@ def effects_of(arguments: Namespace) -> list[str] | None:
 def print_answer(report: Any) -> None:
     """Print the headline, the answer and the probability of every hypothesis."""
     from fvcollapse.diagnosis.report.sentences import answer, headline
-    from fvcollapse.diagnosis.report.words import hypothesis_name
+    from fvcollapse.diagnosis.report.words import hypothesis_name, wrapped
 
     for line in (headline(report), *answer(report)):
-        print(textwrap.fill(line, 100, subsequent_indent="  "))
+        print(wrapped(line, 100))
     print()
     ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
     width = max(len(hypothesis_name(name)) for name, _ in ranked)

@@ -380,7 +380,7 @@ def test_a_second_effect_that_is_left_open_is_told(report):
     alone = replace(verdict, set=[first])
     open_pair = replace(alone, set=[first, pair, "dilatancy+gate"])
     told = [sentences.additions(replace(report, verdict=v), (first,)) for v in (alone, open_pair)]
-    assert told == [[], ["The data do not exclude that cohesion acts as well."]]
+    assert told == [[], ["The data do not exclude cohesion beside it."]]
 
 
 def test_what_the_grains_in_view_say_is_in_the_answer(report):
@@ -507,8 +507,8 @@ def test_the_size_in_practice_stands_beside_the_statistics(tmp_path):
     assert "front position 0 cm 0 % 1.8 cm \N{EN DASH} 5 cm no" in row
     where = " ".join(sentences.parts_of(left).where)
     assert (
-        "What noise and calibration do not explain is, as a root mean square, larger than the difference of two codes "
-        "for the same equations for thickness (0.34 cm beside 0.2 cm)."
+        "Beyond noise and calibration (rms): thickness 0.34 cm, above the difference of two codes "
+        "for the same equations (0.2 cm)."
     ) in where
 
 

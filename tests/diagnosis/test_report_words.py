@@ -51,7 +51,7 @@ def test_open_causes_are_listed_once():
 
 def test_where_begins_without_coordinates():
     first, second, *_ = where_words(example())
-    assert re.match(r"in the simulation the front position is too far", first)
+    assert re.match(r"the simulated front position is too far", first)
     assert not re.search(r"X = |\d s\b", first)
     assert re.search(r"from \d", second)
 
@@ -63,10 +63,10 @@ def test_what_is_left_is_judged_beside_an_honest_error():
         "profiles": Practical(0.01, 0.001, 0.5, 0.02, "m", 0.0023, None, False),
     }
     text = where_words(replace(report, details=replace(report.details, practical=parts)))[-1]
+    error = "above the model error that the controls leave open"
     assert (
-        "larger than the model error that the controls leave open for front position (3 cm" in text
+        f"front position 3 cm, {error} (0.55 cm); thickness 0.1 cm, not {error} (0.23 cm)." in text
     )
-    assert "; not larger for thickness (0.1 cm beside 0.23 cm)" in text
 
 
 def test_an_odd_number_is_named_in_the_answer_and_stands_above_it(tmp_path):

@@ -86,14 +86,21 @@ def weak_words(report: "Report") -> list[str]:
         words.append(
             "These probabilities only rank the causes: how often such an answer is right was not tested."
         )
-    else:
-        words.append(right_words(report))
+    words.append(tested_words(report))
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(
             f"The grid is {percent(share)} of the variance of the {observable_words(name)}: refine it."
         )
     return words
+
+
+def tested_words(report: "Report") -> str:
+    """How often answers were right in the sealed cases."""
+    right = right_words(report)
+    if is_calibrated(report):
+        return f"{right[0].upper()}{right[1:]}"
+    return f"Answers of the verdict layer were tested: {right}"
 
 
 def is_calibrated(report: "Report") -> bool:

@@ -50,8 +50,6 @@ CANDIDATES_OPEN = 5  # hypotheses listed at once
 REGIONS_OPEN = 8  # listed at once; the rest behind a click
 # text of the page between two tags, but for what is copied or drawn
 TEXT = re.compile(r"<(style|pre|svg)\b.*?</\1>|>[^<]+", re.DOTALL)
-UNITS = r"(?:%|sd|s|m|cm|mm|m/s|bit|Pa|kg/m\^?3)(?![\w/])"
-BROKEN = re.compile(rf"(?<=\d) (?={UNITS})|(?<=\d) (?=±)|(?<=±) (?=\d)")
 
 
 def write_page(
@@ -147,9 +145,7 @@ def environment() -> Environment:
 
 def together(page: str) -> str:
     """The page with numbers that no line break parts from their units."""
-    return TEXT.sub(
-        lambda found: found[0] if found[1] else BROKEN.sub("\N{NO-BREAK SPACE}", found[0]), page
-    )
+    return TEXT.sub(lambda found: found[0] if found[1] else words.unbroken(found[0]), page)
 
 
 def coded(text: str) -> Markup:

@@ -57,22 +57,19 @@ def sealed_scores() -> SealedScores:
 
 
 def right_words(report: "Report") -> str:
-    """How often answers of this kind were right, one sentence; to a report of the verdict layer only."""
+    """How often answers of the verdict layer were right, alone or with controls as here, one sentence."""
     scores = sealed_scores()
     has_controls = bool(report.details.expected)
     own = scores.controls if has_controls else scores.alone
     kind = "with" if has_controls else "without"
     text = (
-        f"In {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}, and "
-        f"{percent(own.confident_errors)} were wrong although they had more than 90 %"
+        f"in {own.cases} sealed cases {kind} controls {percent(own.first_right)} of first names were right, "
+        f"{percent(own.confident_errors)} wrong although above 90 %"
     )
     if has_controls:
         return f"{text}."
     other = scores.controls
-    return (
-        f"{text}; with controls {percent(other.first_right)} and {percent(other.confident_errors)}: bring controls "
-        "(experiments in which nothing is hidden)."
-    )
+    return f"{text}; with controls {percent(other.first_right)} and {percent(other.confident_errors)}: bring controls."
 
 
 def gain_words() -> str:

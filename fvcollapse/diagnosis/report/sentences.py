@@ -185,8 +185,9 @@ def cause_words(report: "Report") -> str:
 
 
 def meaning_of(causes: Iterable[str]) -> str:
-    """What the effects among the causes are, in brackets; empty without one."""
-    meanings = [meaning for cause in causes if (meaning := effect_meaning(cause))]
+    """What the effects among the causes are, in brackets and without what follows a semicolon; may be empty."""
+    known = [effect_meaning(cause).partition(";")[0] for cause in causes]
+    meanings = [meaning for meaning in known if meaning]
     return f" ({'; '.join(one[0].lower() + one[1:] for one in meanings)})" if meanings else ""
 
 
@@ -219,7 +220,7 @@ def additions(report: "Report", causes: Sequence[str]) -> list[str]:
     )
     if not others:
         return []
-    return [f"The data do not exclude that {listed(others, 'or')} acts as well."]
+    return [f"The data do not exclude {listed(others, 'or')} beside it."]
 
 
 # -- how much closes -----------------------------------------------------------------------------

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LARGEST_REGIONS = 2  # named in the answer
 CONTROLS = "the model error that the controls leave open"
 CODES = "the difference of two codes for the same equations"
-UNCERTAINTY = "the combined standard uncertainty"
+UNCERTAINTY = "the uncertainty"
 
 
 def where_words(report: "form.Report") -> list[str]:
@@ -32,21 +32,20 @@ def gap_words(report: "form.Report") -> list[str]:
     regions = sorted(report.where, key=lambda region: -region.significance)
     taught = " (the model error learned from the controls is taken off)"
     return [
-        f"in the simulation {listed(directions(regions))}, by more than measurement, grid and calibrated parameters "
+        f"the simulated {listed(directions(regions))}, beyond what measurement, grid and calibration "
         f"explain{taught if report.details.expected else ''}.",
         largest_words(regions, report),
     ]
 
 
 def directions(regions: "list[Region]") -> list[str]:
-    """In which direction each observable is off; in both where regions of both signs are significant."""
+    """In which direction each observable is off; both where regions of both signs are significant."""
     found: dict[str, dict[str, None]] = {}
     for region in regions:
         ways = found.setdefault(region.observable, {})
         ways[direction_words(region.observable, region.gap)] = None
     return [
-        f"the {observable_words(name)} is {' in one place and '.join(ways)}"
-        + (" in another" if len(ways) > 1 else "")
+        f"{observable_words(name)} is {' here, '.join(ways)}{' there' if len(ways) > 1 else ''}"
         for name, ways in found.items()
     ]
 
@@ -54,12 +53,15 @@ def directions(regions: "list[Region]") -> list[str]:
 def largest_words(regions: "list[Region]", report: "form.Report") -> str:
     """The largest regions, with size, place and time."""
     largest = regions[:LARGEST_REGIONS]
-    words = "; ".join(
-        f"{region_words(region, report).partition(';')[0]} ({region.experiment})"
-        for region in largest
-    )
+    names = list(dict.fromkeys(region.experiment for region in largest))
+    texts = [region_words(region, report).partition(";")[0] for region in largest]
+    if len(names) == 1:
+        words = f"{'; '.join(texts)} ({'both in ' if len(texts) > 1 else ''}{names[0]})"
+    else:
+        pairs = zip(texts, largest, strict=True)
+        words = "; ".join(f"{text} ({region.experiment})" for text, region in pairs)
     others = len(regions) - len(largest)
-    more = f"; and {others} smaller region{'s' if others > 1 else ''}" if others else ""
+    more = f"; {others} smaller" if others else ""
     return f"{'Largest' if others else 'There'}: {words}{more}."
 
 
@@ -68,29 +70,20 @@ def practical_words(report: "form.Report") -> list[str]:
     parts = {name: part for name, part in report.details.practical.items() if part.beyond > 0.0}
     if not parts:
         return []
-    groups: dict[str, dict[bool, list[str]]] = {}
+    groups: dict[tuple[str, bool], list[str]] = {}
     for name, part in parts.items():
-        yardstick, honest = yardstick_of(part)
-        sizes = f"{length(name, part, part.beyond)} beside {length(name, part, honest)}"
-        sides = groups.setdefault(yardstick, {True: [], False: []})
-        sides[part.is_larger].append(f"{observable_words(name)} ({sizes})")
-    clauses = [
-        clause for yardstick, sides in groups.items() for clause in clauses_of(yardstick, sides)
-    ]
-    text = f"What noise and calibration do not explain is, as a root mean square, {'; '.join(clauses)}."
-    if set(groups) == {CODES} and not any(part.is_larger for part in parts.values()):
+        groups.setdefault((yardstick_of(part)[0], part.is_larger), []).append(name)
+    clauses = []
+    for (yardstick, is_larger), names in groups.items():
+        sizes = listed(
+            f"{observable_words(n)} {length(n, parts[n], parts[n].beyond)}" for n in names
+        )
+        honest = listed(length(n, parts[n], yardstick_of(parts[n])[1]) for n in names)
+        clauses.append(f"{sizes}, {'' if is_larger else 'not '}above {yardstick} ({honest})")
+    text = f"Beyond noise and calibration (rms): {'; '.join(clauses)}."
+    if set(groups) == {(CODES, False)}:
         return [text, "So the gap is no larger than the choice of a code makes it."]
     return [text]
-
-
-def clauses_of(yardstick: str, sides: "dict[bool, list[str]]") -> list[str]:
-    """The observables that are larger than a yardstick, and those that are not."""
-    words = {True: "larger", False: "not larger"}
-    named = [side for side in words if sides[side]]
-    return [
-        f"{words[side]}{f' than {yardstick}' if side == named[0] else ''} for {listed(sides[side])}"
-        for side in named
-    ]
 
 
 def yardstick_of(part: "form.Practical") -> tuple[str, float]:
