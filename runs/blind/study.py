@@ -67,7 +67,6 @@ NAMES_OF_WAYS = {False: "alone", True: "controls"}
 TRAINING_SEED = 2026
 # share of worlds with slight physics, which alone teach the layer of diagnoses without controls; share of --per-class
 TRAINING_SUITES = {"training": (0.5, 1.0), "training_slight": (1.0, 1.2)}
-WITH_CONTROLS = ("training",)  # those that teach the layer of diagnoses with controls
 
 
 def make_training_suite(arguments):
@@ -94,8 +93,7 @@ def fit_verdict(arguments):
     used_up, scores = [(folder, "blind") for folder in arguments.used_up], {}
     for controls, way in WAYS.items():
         suites = []
-        names = WITH_CONTROLS if controls else TRAINING_SUITES
-        for folder, name in [*((arguments.out, name) for name in names), *used_up]:
+        for folder, name in [*((arguments.out, name) for name in TRAINING_SUITES), *used_up]:
             labels = folder / f"{name}.labels.json"
             only = sorted(teaching_cases(labels, controls))[: arguments.taught]
             suites.append((compare(arguments, folder, name, controls, only), labels))
