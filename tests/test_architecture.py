@@ -38,7 +38,7 @@ LAYERS = (
     "diagnosis.report",
     "diagnosis.diagnose",
     "blind",
-    "align cache observation",
+    "cache observation",
     "__init__",
     "commands",
     "__main__",
