@@ -1,5 +1,6 @@
 """What each picture of a result shows, in words: the text files beside the pictures."""
 
+from math import isclose
 from textwrap import fill
 from typing import Any
 
@@ -16,6 +17,7 @@ from fvcollapse.draw.figures import (
 )
 from fvcollapse.draw.grains import DECADES, scale_of
 from fvcollapse.draw.look import Look
+from fvcollapse.step.grid import spacing
 
 LINE = 100  # characters
 COLOURS = {
@@ -41,8 +43,9 @@ def caption(result: Any, what: str, look: Look) -> str:
 def run_words(result: Any) -> str:
     """The run in a sentence."""
     case = result.case
-    size = 1000.0 * case.grid.cell_size
-    return f"Run: {set_up_words(result)}, cells of {size:g} mm, trust: {result.trust.verdict}."
+    dx, dz = (1000.0 * size for size in spacing(case.resolved))
+    size = f"{dx:.4g} mm" if isclose(dx, dz) else f"{dx:.4g} x {dz:.4g} mm"
+    return f"Run: {set_up_words(result)}, cells of {size}. Trust: {result.trust.words}."
 
 
 def frame_words(look: Look) -> str:

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +19,8 @@ from fvcollapse.output.labels import tree_of
 from fvcollapse.output.record_layout import check_header, read_record
 from fvcollapse.output.stored_names import SERIES
 from fvcollapse.output.tables import tabled
-from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
+from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, cells_in_column, trust_of
+from fvcollapse.step.grid import spacing
 
 if TYPE_CHECKING:
     import xarray
@@ -252,6 +254,15 @@ def end_words(s: dict, case: "Case") -> str:
     return "" if s["complete"] else f" of {case.time.end:g} s (incomplete)"
 
 
+def cell_words(case: "Case") -> str:
+    """The cells that a run has; those of the case are fitted to the gate, which is a grid line."""
+    dx, dz = (1000.0 * size for size in spacing(case.resolved))
+    high, long = cells_in_column(case)
+    stated = 1000.0 * case.grid.cell_size
+    fitted = "" if isclose(dx, stated) else f" (cell_size = {stated:.4g} mm, fitted to the gate)"
+    return f"{dx:.4g} mm along the bed{fitted}, {dz:.4g} mm normal to it; {long:.3g} x {high:.3g} in the column"
+
+
 def summary_rows(summary: dict, case: "Case") -> list[tuple[str, str]]:
     """Name and value, as text, of each line of the summary table."""
     s = summary
@@ -262,7 +273,8 @@ def summary_rows(summary: dict, case: "Case") -> list[tuple[str, str]]:
     )
     return [
         ("simulated time", f"{s['time']:.4g} s{end_words(s, case)}"),
-        ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
+        ("trust", Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))).words),
+        ("cells", cell_words(case)),
         ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
         (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
