@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 
 UNCACHED = (
-    "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
+    "compiled kernels cannot be kept on the disk, so that every start takes a minute and a half: "
     "set NUMBA_CACHE_DIR to a folder that may be written"
 )
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
