@@ -119,8 +119,8 @@ def beads():
     read = " or ".join(READ[name] for name in ("runout", "runout_1mm"))
     return (
         "it agrees with experiments",
-        f"not without tuning: at 0° the runout, from the back wall, is {rounded(measured, 3)} m of beads; of the model, "
-        f"read where the layer is {read} thick, {free} m without walls and {walled} m between walls",
+        f"not without tuning: at 0° the runout, from the back wall, is {rounded(measured, 3)} m of beads; of the "
+        f"model, read where the layer is {read} thick, {free} m without walls and {walled} m between walls",
     )
 
 

@@ -148,7 +148,7 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        tell_compilation(quiet)
+        tell_compilation(quiet, log)
         make = partial(Job, simulate=simulate)
         keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)
