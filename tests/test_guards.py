@@ -13,7 +13,7 @@ from fvcollapse.errors import LimitReached, NumericalError
 from fvcollapse.output import run as output
 from fvcollapse.output import trust
 from fvcollapse.output.recorder import Landing, Recorder
-from fvcollapse.output.result import cell_words
+from fvcollapse.output.summary import cell_words
 from fvcollapse.output.trust import Trust, trust_of
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import guards
