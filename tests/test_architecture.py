@@ -25,6 +25,7 @@ LAYERS = (
     "step",
     "draw.html draw.look",
     "draw.drawing",
+    "measure.quantities",
     "draw.grains draw.curves",
     "draw.figures",
     "measure",

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from fvcollapse.draw.drawing import BLUE, ORANGE, WIDTH, new_figure, png, set_up_words
+from fvcollapse.case.words import set_up_words
+from fvcollapse.draw.drawing import BLUE, ORANGE, WIDTH, new_figure, png
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.align import as_grid, on_points
 from fvcollapse.measure.comparison import covered, moves
@@ -51,7 +52,7 @@ def draw_comparison(
     figure = new_figure(WIDTH, 6.4)
     still = " (still moves at its end)" if moves(first) else ""
     figure.suptitle(
-        f"{names[0]}{still} beside {names[1]} — {set_up_words(result)}", fontsize="medium"
+        f"{names[0]}{still} beside {names[1]} — {set_up_words(result.case)}", fontsize="medium"
     )
     axes = figure.subplot_mosaic([["front"] * MOMENTS, list(range(MOMENTS))])
     draw_front(axes["front"], names, first, second, measured.get("front"))

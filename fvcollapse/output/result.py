@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.case.words import set_up_words
 from fvcollapse.draw.html import html_table
 from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.series_readings import LOSSES, WORKS, arrest_time, peak_front_velocity
@@ -174,6 +175,11 @@ class Result:
             xarray is not installed.
         """
         return tree_of(self, fields)
+
+    def __repr__(self) -> str:
+        end = self.series["time"][-1]
+        words = (set_up_words(self.case), f"t = 0 to {end:.4g} s", self.status)
+        return f"<Result: {', '.join(words)}, trust: {self.trust.verdict}>"
 
     def _repr_html_(self) -> str:
         return html_table("run", summary_rows(self.summary(), self.case))

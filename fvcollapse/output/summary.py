@@ -53,12 +53,12 @@ def summary_rows(summary: dict, case: "Case") -> list[tuple[str, str]]:
         (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),
         ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
         ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
-        ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),
+        ("final / largest height", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),
         (
             "peak front velocity",
             f"{s['peak_front_velocity']:.3f} m/s at {s['peak_front_velocity_time']:.3f} s",
         ),
-        ("arrest (below 1 mm/s)", arrest),
+        ("time of arrest (below 1 mm/s)", arrest),
         ("largest volume error", f"{100 * s['volume_error_max']:.2e} %"),
         ("sum of |volume corrections|", f"{100 * s['volume_correction']:.3f} %"),
         (

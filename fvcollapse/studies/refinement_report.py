@@ -22,7 +22,7 @@ LABELS = {
     "x_99": "x_99",
     "final_thickness": "final height",
     "peak_front_velocity": "peak front velocity",
-    "arrest_time": "arrest time",
+    "arrest_time": "time of arrest",
     PROFILE: "profile, L1 to the next finer",
 }
 HAD = {  # what the sizes of a record are, where they are not the values of the axis
