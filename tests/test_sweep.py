@@ -210,7 +210,7 @@ def test_interrupted_sweep_keeps_its_table_and_continues(case_file, started, mon
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "the following arguments are required: --vary"),
+        ([], "missing: --vary"),
         (["--vary", "gate.sped=1,2"], "gate.sped: found a path that is no key; allowed: the clos"),
         (["--vary", "gate.speed=1,-2"], "gate.speed: found -2; allowed: a number >= 0"),
         (["--vary", "gate=1"], "gate: found 1; allowed: a table"),
