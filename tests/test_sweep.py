@@ -116,7 +116,9 @@ def test_every_point_has_a_result_and_a_row(case_file, started, capsys):
     for column in ("geometry.slope_angle_deg [deg]", "runout [m]", "arrest_time [s]", "trust"):
         assert column in heading
     with (case_file.parent / "out" / "sweep_units.csv").open(newline="") as file:
-        units = {row["column"]: row["unit"] for row in csv.DictReader(file)}
+        columns = list(csv.DictReader(file))
+    units = {row["column"]: row["unit"] for row in columns}
+    assert all(row["meaning"] for row in columns)
     assert list(units) == list(rows(case_file)[0])
     assert units["geometry.slope_angle_deg"] == "deg"
     words = {"point", "status", "problem", "complete", "ended_at_rest", "trust", "trust_reasons"}
