@@ -1,5 +1,6 @@
 """Tables of the cost of runs for the README files, from the stored reports of the benchmark."""
 
+from fvcollapse.studies.bench.case_list import NO_EFFECT
 from runs.readme_stamps import solver_line
 from runs.readme_tables import stored, table
 
@@ -103,5 +104,9 @@ def cost_of_effects():
     rows = stored("bench", "effects.json")["cases"]
     return table(
         ("effect", "cost factor"),
-        [(f"`{row['name']}`", f"{row['cost_factor']:.2f}") for row in rows[1:]],
+        [
+            (f"`{row['name']}`", f"{row['cost_factor']:.2f}")
+            for row in rows
+            if not row["name"].startswith(NO_EFFECT)
+        ],
     ) + solver_line("bench/effects.json")

@@ -1,10 +1,10 @@
 """Tables of stored reports for the README files."""
 
-import textwrap
 from pathlib import Path
 
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report.sentences import answer, headline
+from fvcollapse.diagnosis.report.words import wrapped
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
 from runs.laboratories.study import LABORATORIES
@@ -106,8 +106,5 @@ def mean_gap(rows, walls, factor, name, span):
 def diagnosis_example():
     """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
     report = read_report(RUNS / EXAMPLE)
-    lines = [
-        textwrap.fill(line, TEXT_WIDTH, subsequent_indent="  ")
-        for line in (headline(report), *answer(report))
-    ]
+    lines = [wrapped(line, TEXT_WIDTH) for line in (headline(report), *answer(report))]
     return "\n".join(["```text", *lines, "```\n"])

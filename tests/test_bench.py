@@ -84,9 +84,28 @@ def test_effects_are_compared_with_the_case_without(monkeypatch, tmp_path):
 def test_every_effect_that_changes_the_flow_has_a_cost():
     found = case_list.effect_cases()
     flowing = [name for name, effect in CATALOGUE.items() if effect.kind == PHYSICAL]
-    assert list(found) == [case_list.NO_EFFECT, *flowing]
+    assert list(found)[: len(flowing) + 1] == [case_list.NO_EFFECT, *flowing]
     for name in flowing:
         assert getattr(found[name].effects, name) is not None
+
+
+def test_thin_layers_are_compared_on_the_bed_that_they_lie_on(monkeypatch):
+    """Loops of 2 s on a bed that slips, 4 s on a rough one, a half more with a layer: 1.5 on both."""
+
+    def run_member(case):
+        wall = 2.0 if np.isfinite(case.boundary.mu_bed) else 4.0
+        layer = case.effects.thin_layer
+        return measured.figures(made, wall if layer is None else 1.5 * wall)
+
+    made = run(measured.TimedSimulation)
+    monkeypatch.setattr(bench, "run_member", run_member)
+    names = ["thin_layer", "thin_layer_nonlocal", "thin_layer_rough", "thin_layer_nonlocal_rough"]
+    rows = bench.run_bench(names, quiet=True, effects=True)["cases"]
+    factors = {row["name"]: row["cost_factor"] for row in rows}
+    without = {"no_effect": 1.0, "no_effect_rough": 1.0}
+    assert factors == without | dict.fromkeys(names, 1.5)
+    closures = [case_list.effect_cases()[name].effects.thin_layer.closure for name in names]
+    assert closures == ["thickness", "nonlocal"] * 2
 
 
 def test_growth_is_the_exponent_of_the_cost():

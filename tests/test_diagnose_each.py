@@ -4,7 +4,7 @@ import csv
 import re
 
 import pytest
-from experiment_folder import write_experiment
+from experiment_folder import SETTINGS, write_experiment
 from report_example import example
 
 from fvcollapse.__main__ import main
@@ -83,6 +83,14 @@ def test_a_dry_diagnosis_counts_its_runs(tmp_path, capsys):
     assert int(told[2]) > 0
     assert not out.exists()
     assert not cache.exists()
+
+
+def test_a_dry_diagnosis_tells_what_is_odd(tmp_path, capsys):
+    settings = SETTINGS.replace("slope_angle_deg = 16", "slope_angle_deg = 0.2793")
+    odd = write_experiment(tmp_path / "odd", settings)
+    words = ["diagnose", str(odd), "--effects", "cohesion", "--out", str(tmp_path / "out")]
+    assert main([*words, "--cache", str(tmp_path / "cache"), "--dry-run"]) == 0
+    assert "slope_angle_deg: found 0.2793" in capsys.readouterr().err
 
 
 def test_an_estimate_grows_as_the_cost_does():

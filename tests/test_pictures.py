@@ -122,7 +122,7 @@ def test_mp4_needs_ffmpeg_and_holds_all_frames(folder, monkeypatch, tmp_path):
         animation.animation(result, as_mp4)
 
 
-@pytest.mark.parametrize("kind", ["pdf", "svg"])
+@pytest.mark.parametrize("kind", [pytest.param("pdf", marks=pytest.mark.slow), "svg"])
 def test_pictures_in_other_formats(folder, tmp_path, kind):
     """Those of PDF are the same each time; SVG numbers its parts at random."""
     chosen = look.Look(format=kind, animation="none", fields=("viscosity",), dpi=60)

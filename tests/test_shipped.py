@@ -151,6 +151,7 @@ sys.exit(f"no module {lost}" if lost or len(names) < 20 else 0)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("minor", [minor for minor in MINORS if minor != sys.version_info.minor])
 def test_every_python_that_is_stated_reads_the_code(minor):
     """Its grammar, without a warning, and its standard library: what a newer one has lost is seen here at once."""

@@ -1,6 +1,5 @@
 """`diagnose`: the gap between experiments and a model."""
 
-import textwrap
 from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
@@ -195,14 +194,15 @@ def effects_of(arguments: Namespace) -> list[str] | None:
 def print_answer(report: Any) -> None:
     """Print the headline, the answer and the probability of every hypothesis."""
     from fvcollapse.diagnosis.report.sentences import answer, headline
+    from fvcollapse.diagnosis.report.words import hypothesis_name, wrapped
 
     for line in (headline(report), *answer(report)):
-        print(textwrap.fill(line, 100, subsequent_indent="  "))
+        print(wrapped(line, 100))
     print()
     ranked = sorted(report.verdict.probability.items(), key=lambda item: -item[1])
-    width = max(len(name) for name, _ in ranked)
+    width = max(len(hypothesis_name(name)) for name, _ in ranked)
     for name, chance in ranked:
-        print(f"{name:<{width}}  {chance:6.3f}")
+        print(f"{hypothesis_name(name):<{width}}  {chance:6.3f}")
 
 
 def questions(arguments: Namespace) -> Iterator[Any]:
@@ -222,12 +222,13 @@ def questions(arguments: Namespace) -> Iterator[Any]:
 
 
 def print_plan(arguments: Namespace) -> int:
-    """Print how many runs there would be, and how long they take; nothing is written."""
-    from fvcollapse.diagnosis.oddities import coarse_grid, tell
+    """Print what is odd, how many runs there would be, and how long they take; nothing is written."""
+    from fvcollapse.diagnosis.oddities import coarse_grid, oddities_of, tell
     from fvcollapse.diagnosis.plan import plan_diagnosis
 
     for question in questions(arguments):
-        tell(coarse_grid(question))
+        compared = (*question.experiments, *question.held_out, *question.controls)
+        tell([*oddities_of(compared), *coarse_grid(question)])
         plan = plan_diagnosis(question, effects_of(arguments), cache=arguments.cache)
         name = f"{question.experiments[0].name}: " if arguments.each else ""
         print(f"{name}{plan.line(arguments.workers)}")

@@ -188,7 +188,7 @@ def late_thin_layers(points, size):
 )
 def test_late_thin_layers_are_told_as_such(points, size, words, direction):
     found = unexplained_of(stub(points, late_thin_layers(points, size)), verdict(UNKNOWN))
-    assert found.words.startswith("front only, in the thin part, from 0.6")
+    assert found.words.startswith("tip of the flow only, in the thin part, from 0.6")
     assert words in found.words
     assert found.direction == direction
     assert found.t_range[0] > 0.6

@@ -321,7 +321,10 @@ def test_the_report_says_which_effects_are_new(model):
     evidence, _ = suite(1, 3)[0]
     assert "not trained on" not in model_words(model, evidence)
     words = model_words(model, with_ears(evidence, 0.0, "arms+ears"))
-    assert "was not trained on ears: the probability of this effect is a tempered evidence" in words
+    assert (
+        "verdict layer was not fitted to ears: the probability of this effect is a tempered evidence"
+        in words
+    )
 
 
 def test_groups_that_are_left_open(model):

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.confirmation import CONFIRMED, CONSISTENT
 from fvcollapse.diagnosis.names import NONE
+from fvcollapse.diagnosis.report.sealed import right_words
 from fvcollapse.diagnosis.report.standing import NOTHING, OPEN, beside, may_be_named, standing
 from fvcollapse.diagnosis.report.words import CENTIMETRES, hypothesis_name, listed, number, percent
 from fvcollapse.measure.quantities import observable_words
@@ -85,12 +86,21 @@ def weak_words(report: "Report") -> list[str]:
         words.append(
             "These probabilities only rank the causes: how often such an answer is right was not tested."
         )
+    words.append(tested_words(report))
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(
             f"The grid is {percent(share)} of the variance of the {observable_words(name)}: refine it."
         )
     return words
+
+
+def tested_words(report: "Report") -> str:
+    """How often answers were right in the sealed cases."""
+    right = right_words(report)
+    if is_calibrated(report):
+        return f"{right[0].upper()}{right[1:]}"
+    return f"Answers of the verdict layer were tested: {right}"
 
 
 def is_calibrated(report: "Report") -> bool:

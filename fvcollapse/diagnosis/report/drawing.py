@@ -37,10 +37,11 @@ class Picture(NamedTuple):
 
 
 def picture(figure: "Figure", name: str, alt: str, caption: str, experiment: str = "") -> Picture:
-    """The figure as a `Picture`."""
+    """The figure as a `Picture`, of the size that it was given: to cut it to what is drawn, it would be drawn twice."""
     lay_out(figure)
     stream = io.BytesIO()
-    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    undated = {"Date": None, "Creator": None}
+    figure.savefig(stream, format="svg", metadata=undated, bbox_inches=None)
     svg = lighter(stream.getvalue().decode()).encode()
     return Picture(name, svg, alt, caption, experiment)
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.closing import Group
     from fvcollapse.diagnosis.ladder import Ladder
     from fvcollapse.diagnosis.next_experiment import Choice
+    from fvcollapse.diagnosis.points import Block, Points
     from fvcollapse.diagnosis.verdict import Verdict
     from fvcollapse.diagnosis.verdict_model import VerdictModel
     from fvcollapse.measure.experiment import Experiment
@@ -226,9 +227,17 @@ def group_comparisons(
                 kind=block.kind,
                 region=[int(n) if n >= 0 else None for n in region[rows]],
                 phase=phase[rows].tolist(),
+                of=measured_points(points, block),
             )
         )
     return pairs
+
+
+def measured_points(points: "Points", block: "Block") -> int:
+    """Number of measured points of the curve that a block is chosen from; of a number its own."""
+    experiment = next(one for one in points.experiments if one.name == block.experiment)
+    curve = experiment.curves.get(block.observable)
+    return block.stop - block.start if curve is None else len(curve.value)
 
 
 def budget(analysis: "Analysis") -> dict[str, dict[str, float]]:
@@ -259,10 +268,11 @@ def budget(analysis: "Analysis") -> dict[str, dict[str, float]]:
 def next_experiments(
     analysis: "Analysis", choices: "Sequence[Choice]"
 ) -> list[form.NextExperiment]:
-    """What to measure next as the report has it, the first with its case file."""
+    """What to measure next as the report has it, the first with the case file of the first new set-up."""
     upcoming = [next_experiment(choice) for choice in choices]
     if upcoming:
-        upcoming[0] = replace(upcoming[0], case=next_case(analysis, choices[0]))
+        new = next((choice for choice in choices if choice.candidate.changes), choices[0])
+        upcoming[0] = replace(upcoming[0], case=next_case(analysis, new))
     return upcoming
 
 

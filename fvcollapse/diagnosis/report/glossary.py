@@ -56,6 +56,10 @@ WORDS = (
         "The part that turns evidence into calibrated probabilities; it was fitted to simulated cases.",
     ),
     (
+        "Sealed case",
+        "A synthetic case whose cause was withheld until the answer to it was stored.",
+    ),
+    (
         "Retained, not excluded",
         "Hypotheses that the data leave open: together they hold the truth in nine of ten cases.",
     ),
@@ -85,8 +89,8 @@ WORDS = (
     ),
     (
         "Signature, cosine",
-        "The change that an effect makes to all observables. The cosine compares two of them: 1 or -1 is the same "
-        "form, 0 is nothing in common.",
+        "The change that an effect makes to all observables. The cosine compares two of them: 1 is the same form, "
+        "\N{MINUS SIGN}1 the same with its sign turned round, 0 is nothing in common.",
     ),
     ("Bit", "Unit of information: one bit halves the number of equally probable causes."),
     ("Grid, cell", "The flow is computed on square cells; smaller ones err less and take longer."),
@@ -105,6 +109,9 @@ SYMBOLS = (
 )
 
 
+SHOWN_UNITS = {"-": "", "1": "", "m": "cm"}  # as the page prints parameters
+
+
 def symbols(report: "Report") -> list[tuple[str, str, str]]:
     """(symbol, unit, meaning) of all that the page prints: its own, and the keys of cases in it."""
     used = [
@@ -121,5 +128,5 @@ def symbols(report: "Report") -> list[tuple[str, str, str]]:
     ]
     return [
         *SYMBOLS,
-        *((name, "" if unit in ("-", "1") else unit, text) for name, unit, text in rows),
+        *((name, SHOWN_UNITS.get(unit, unit), text) for name, unit, text in rows),
     ]

@@ -10,9 +10,9 @@ from fvcollapse.diagnosis.mass_balance import CHANGES, LEAST_FRAMES, VIEW_EFFECT
 from fvcollapse.diagnosis.names import RECALIBRATED, RUNNER_UP, UNKNOWN, WINNER
 from fvcollapse.diagnosis.new_effects import new_hypotheses
 from fvcollapse.diagnosis.report.candidates import LIKE_MISCALIBRATION
-from fvcollapse.diagnosis.report.words import hypotheses_listed
+from fvcollapse.diagnosis.report.words import hypotheses_listed, hypothesis_name, listed
 from fvcollapse.effects.catalogue import CATALOGUE
-from fvcollapse.measure.quantities import CURVES
+from fvcollapse.measure.quantities import CURVES, observable_words
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.analysis import Analysis
@@ -60,13 +60,14 @@ def limits(analysis: "Analysis", ladder: "Ladder") -> list[str]:
     """Limits of this diagnosis, one sentence each."""
     words = []
     if analysis.library.left_out:
-        reasons = "; ".join(f"{name}: {why}" for name, why in analysis.library.left_out.items())
+        left_out = analysis.library.left_out.items()
+        reasons = "; ".join(f"{hypothesis_name(name)}: {why}" for name, why in left_out)
         words.append(f"Not compared: {reasons}.")
     weak = analysis.separability.insufficient
     if weak:
         words.append(
-            "These data cannot name with confidence (unique signal-to-noise ratio below 3): "
-            f"{', '.join(weak)}."
+            "Less than 3 standard uncertainties of these effects are visible beside the others, so that these data "
+            f"cannot name them with confidence: {hypotheses_listed(weak)}."
         )
     like = [
         name
@@ -74,7 +75,7 @@ def limits(analysis: "Analysis", ladder: "Ladder") -> list[str]:
         if name in CATALOGUE and share >= LIKE_MISCALIBRATION
     ]
     if like:
-        words.append(f"A wrong calibration of the parameters looks like: {', '.join(like)}.")
+        words.append(f"A wrong calibration of the parameters looks like {hypotheses_listed(like)}.")
     if ladder.held_out is None:
         words.append("No experiment was held out, so no cause can be confirmed.")
     if analysis.evidence.balance is None:
@@ -118,20 +119,20 @@ def model_words(model: "VerdictModel | None", evidence: "Evidence") -> str:
     """The basis of the probabilities."""
     if model is None:
         return (
-            "Probabilities are tempered evidences and not calibrated: the verdict model was not fitted "
+            "Probabilities are tempered evidences and not calibrated: the verdict layer was not fitted "
             "to these effects, to so few measured values, or on cells as coarse as these."
         )
     words = (
-        "Probabilities hold for collapses like those the verdict was trained on, and for the effects "
+        "Probabilities hold for collapses like those the verdict layer was fitted to, and for the effects "
         "of the catalogue."
     )
     if not model.is_of_this_solver:
-        words += f" It was trained with solver {model.solver}, not the present one."
+        words += f" The layer was fitted with solver {model.solver}, not the present one."
     new = [name for name in new_hypotheses(evidence, model.classes) if "+" not in name]
     if new:
         which = "each of them" if len(new) > 1 else "this effect"
         words += (
-            f" The verdict was not trained on {', '.join(new)}: the probability of {which} is a tempered "
+            f" The verdict layer was not fitted to {hypotheses_listed(new)}: the probability of {which} is a tempered "
             "evidence and not calibrated. The other effects are compared with each other as without it."
         )
     return words
@@ -139,7 +140,9 @@ def model_words(model: "VerdictModel | None", evidence: "Evidence") -> str:
 
 def control_words(learned: "Discrepancy", controls: "Iterable[Experiment]") -> str:
     """The model error learned from the controls."""
-    factors = ", ".join(f"{name} {factor:.2g}" for name, factor in learned.factors.items())
+    factors = ", ".join(
+        f"{observable_words(name)} {factor:.2g}" for name, factor in learned.factors.items()
+    )
     names = ", ".join(one.name for one in controls)
     shared = hypotheses_listed(learned.effects)
     physics = (
@@ -158,8 +161,8 @@ def default_words(experiments: "Iterable[Experiment]") -> list[str]:
     for experiment in experiments:
         if names := default_uncertainties(experiment):
             words.append(
-                f"{experiment.name} does not state the standard deviation of {', '.join(names)}: the "
-                "defaults hold (`fvcollapse keys --experiment`)."
+                f"{experiment.name} does not state the standard deviation of {listed(map(observable_words, names))}: "
+                "the defaults hold, which the command keys --experiment prints."
             )
     return words
 

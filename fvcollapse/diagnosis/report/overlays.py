@@ -13,7 +13,7 @@ from fvcollapse.diagnosis.report.drawing import (
     plain,
     shared_legend,
 )
-from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_name
+from fvcollapse.diagnosis.report.words import CENTIMETRES, after_model, model_name, thinned_words
 from fvcollapse.draw.drawing import BLUE, GREY, ORANGE, new_figure
 from fvcollapse.measure.quantities import HEIGHTS, observable_words, shown_gap, shown_value
 
@@ -37,7 +37,9 @@ def overlay(report: "Report", one: "Comparison") -> "Picture":
     group = "held out" if one.experiment in report.held_out else "fitted"
     alt = f"{what}: measured, {model_name(BASELINE, report)}, {model_name(after, report)}"
     name = file_name(one.observable, one.experiment)
-    return picture(figure, name, alt, f"{what} ({group})", one.experiment)
+    compared = thinned_words(one)
+    about = f"{group}; {compared}" if compared else group
+    return picture(figure, name, alt, f"{what} ({about})", one.experiment)
 
 
 def draw_measured(

@@ -15,8 +15,10 @@ from fvcollapse.diagnosis.report.bars import bars, ranking_note
 from fvcollapse.diagnosis.report.certainty import wording
 from fvcollapse.diagnosis.report.figures import pictures
 from fvcollapse.diagnosis.report.glossary import WORDS, symbols
+from fvcollapse.diagnosis.report.next_words import planned, with_case
 from fvcollapse.diagnosis.report.regions import region_words
 from fvcollapse.diagnosis.report.run_table import RUNS_FILE
+from fvcollapse.diagnosis.report.sealed import gain_words, sealed_scores
 from fvcollapse.diagnosis.report.tables import (
     absorbed_rows,
     assumed_rows,
@@ -31,7 +33,7 @@ from fvcollapse.diagnosis.report.tables import (
     share_table,
     shown_parameter,
 )
-from fvcollapse.diagnosis.report.unexplained_words import likeness_words
+from fvcollapse.diagnosis.report.unexplained_words import likeness_words, place_name
 from fvcollapse.errors import OutputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.measure.quantities import observable_words
@@ -46,6 +48,8 @@ PAGE, FIGURES = "report.html", "figures"
 NEXT_CASE = "next_experiment.toml"
 CANDIDATES_OPEN = 5  # hypotheses listed at once
 REGIONS_OPEN = 8  # listed at once; the rest behind a click
+# text of the page between two tags, but for what is copied or drawn
+TEXT = re.compile(r"<(style|pre|svg)\b.*?</\1>|>[^<]+", re.DOTALL)
 
 
 def write_page(
@@ -83,7 +87,7 @@ def write_page(
 def render(report: "Report", chapters: "Mapping[str, Sequence[Picture]]") -> str:
     """The page as text; `chapters` are the `pictures` of the report."""
     pictured = [picture for chapter in chapters.values() for picture in chapter]
-    return (
+    return together(
         environment()
         .get_template(TEMPLATE)
         .render(
@@ -101,7 +105,7 @@ def render(report: "Report", chapters: "Mapping[str, Sequence[Picture]]") -> str
             rungs=RUNGS,
             regions_open=REGIONS_OPEN,
             candidates_open=CANDIDATES_OPEN,
-            next_case=NEXT_CASE,
+            **plan_of(report),
             runs_file=RUNS_FILE,
             version=__version__,
         )
@@ -130,11 +134,36 @@ def environment() -> Environment:
         "first_causes": words.first_causes,
         "region": region_words,
         "likeness": likeness_words,
+        "place": place_name,
+        "coded": coded,
         "shown": shown_parameter,
         "in_cm": words.in_cm,
         "address": address,
     }
     return made
+
+
+def together(page: str) -> str:
+    """The page with numbers that no line break parts from their units."""
+    return TEXT.sub(lambda found: found[0] if found[1] else words.unbroken(found[0]), page)
+
+
+def coded(text: str) -> Markup:
+    """Text whose `words` are set as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
+
+
+def plan_of(report: "Report") -> dict[str, Any]:
+    """What to measure next, by the names in the template."""
+    alike, less = planned(report)
+    return {
+        "alike": alike,
+        "less": less,
+        "case_of": with_case(report),
+        "next_case": NEXT_CASE,
+        "gain_note": gain_words(),
+        "margin": sealed_scores().next.margin,
+    }
 
 
 def texts_of(report: "Report") -> dict[str, Any]:
@@ -150,6 +179,7 @@ def texts_of(report: "Report") -> dict[str, Any]:
         "after": words.after_model(report),
         "model": lambda model: words.model_name(model, report),
         "confirmed": confirmation and wording(confirmation),
+        "foreseen": any(rung.fitted.predicted is not None for rung in report.details.ladder),
     }
 
 

@@ -18,21 +18,28 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import Misfit, Report
 
 FILLS = (BLUE, ORANGE, GREEN, "#E69F00", "#CC79A7", GREY)
+APART = 0.14  # rows between the fitted and the held-out experiments of a model
+ROOM = 1.12  # right of the largest gap, so that no marker is cut
 
 
 def ladder(report: "Report") -> "Picture":
     """Gap of each model and the fraction closed, in fitted and held-out experiments."""
     rungs = report.details.ladder[::-1]
+    parts = [part for rung in rungs for part in (rung.fitted, rung.held_out) if part is not None]
+    apart = APART if len(parts) > len(rungs) else 0.0
     figure = new_figure(WIDTH, 1.2 + 0.62 * len(rungs))
     left, right = figure.subplots(1, 2, sharey=True)
     for row, rung in enumerate(rungs):
-        draw_rung((left, right), row + 0.14, rung.fitted, BLUE, "o", "fitted")
+        draw_rung((left, right), row + apart, rung.fitted, BLUE, "o", "fitted")
         if rung.held_out is not None:
-            draw_rung((left, right), row - 0.14, rung.held_out, ORANGE, "s", "held out")
+            draw_rung((left, right), row - apart, rung.held_out, ORANGE, "s", "held out")
     labels = [f"{RUNGS[rung.model]}  {model_name(rung.model, report)}" for rung in rungs]
     left.set_yticks(range(len(rungs)), [plain(broken(text)) for text in labels])
     left.set(xlabel="rms gap in combined\nstandard uncertainties", ylim=(-0.5, len(rungs) - 0.5))
-    left.set_xlim(left=0.0)
+    largest = max(
+        (rms for part in parts for rms in (part.rms, *part.by_experiment.values())), default=1.0
+    )
+    left.set_xlim(0.0, ROOM * (largest or 1.0))
     right.axvline(0.0, color="black", lw=0.8)
     right.set(xlabel="share of the gap of G0\nthat is closed (%)")
     for axes in (left, right):
@@ -65,7 +72,7 @@ def draw_rung(
             color=GREEN,
             markerfacecolor="none",
             markersize=6,
-            label="predicted before running it",
+            label="foreseen before its run",
         )
 
 

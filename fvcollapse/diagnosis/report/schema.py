@@ -92,9 +92,9 @@ class NextExperiment(Part):
     set_up : dict
         Key -> value of the case.
     repeats : int or None
-        Number of such experiments for a log Bayes factor of 5.
+        Number of such experiments for a log Bayes factor of 5, as the plan expects it; the page does not show it.
     case : str
-        Case file of the set-up (TOML); of the best one only, else empty.
+        Of the best one only, else empty: case file (TOML) of the first set-up that was not measured yet.
     """
 
     description: str

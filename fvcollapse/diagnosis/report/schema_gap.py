@@ -75,6 +75,8 @@ class Comparison(Part):
         Index into `where` of the region that a point belongs to; None: in none.
     phase : (n,)
         One of `points.PHASES`; empty: not stated.
+    of : int
+        Number of points that were measured, n of which are compared; 0: not recorded.
     """
 
     experiment: str
@@ -90,6 +92,7 @@ class Comparison(Part):
     kind: Literal["value", "upper", "lower"] = "value"
     region: list[int | None] = []
     phase: list[str] = []
+    of: int = 0
 
 
 class Share(Part):

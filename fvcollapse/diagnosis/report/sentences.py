@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import NONE, RECALIBRATED, UNKNOWN
 from fvcollapse.diagnosis.report.certainty import certainty
-from fvcollapse.diagnosis.report.regions import region_words
+from fvcollapse.diagnosis.report.next_words import next_words
 from fvcollapse.diagnosis.report.standing import (
     HALF,
     NAMED,
@@ -16,7 +16,8 @@ from fvcollapse.diagnosis.report.standing import (
     supports,
     without,
 )
-from fvcollapse.diagnosis.report.unexplained_words import practical_words, unexplained_words
+from fvcollapse.diagnosis.report.unexplained_words import unexplained_words
+from fvcollapse.diagnosis.report.where_words import where_words
 from fvcollapse.diagnosis.report.words import (
     effect_meaning,
     hypothesis_name,
@@ -24,17 +25,16 @@ from fvcollapse.diagnosis.report.words import (
     number,
     percent,
     span,
-    with_unit,
 )
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.effects.effect import NUISANCE
 from fvcollapse.measure.quantities import observable_words, shown_gap
 
 if TYPE_CHECKING:
-    from fvcollapse.diagnosis.report.schema import Closed, NextExperiment, Report
+    from fvcollapse.diagnosis.report.schema import Closed, Report
     from fvcollapse.diagnosis.report.standing import Best
 
-LARGEST_REGIONS = 2  # named in the answer
+MOST_ODD = 2  # odd numbers that the answer names
 LEFT_OVER = 1.0 / 3.0  # probability beside the open causes from which "others" are named too
 
 
@@ -49,8 +49,10 @@ class Answer(NamedTuple):
         Where the gap lies, how large it is in practice, and what is wrong with the measured profiles.
     unexplained : str
         What no hypothesis explains; empty where nothing is left.
-    following : str
-        What to measure next; empty where nothing is left to separate.
+    following : list of str
+        What to measure next, and what such a plan was worth; empty where nothing is left to separate.
+    odd : str
+        Numbers of the experiments that are to be checked first; empty without any.
     """
 
     cause: str
@@ -58,32 +60,34 @@ class Answer(NamedTuple):
     closed: str
     where: list[str]
     unexplained: str
-    following: str
+    following: list[str]
+    odd: str
 
 
 def parts_of(report: "Report") -> Answer:
     """The `Answer` of a report."""
-    following = report.next_experiment
     return Answer(
         cause=cause_words(report),
         certainty=certainty(report),
         closed=closed_words(report),
-        where=[where_sentence(report), *practical_words(report), *report.details.grains],
+        where=where_words(report),
         unexplained=unexplained_words(report.details.unexplained),
-        following="" if following is None else next_sentence(following),
+        following=next_words(report),
+        odd=odd_words(report),
     )
 
 
 def answer(report: "Report") -> list[str]:
     """The answer as labelled lines, the most important first, as the command line prints it."""
     parts = parts_of(report)
-    lines = [
+    lines = [f"Check first: {parts.odd}"] if parts.odd else []
+    lines += [
         f"Cause: {parts.cause}",
         f"How sure: {parts.certainty}",
         f"Gap closed: {parts.closed}",
         f"Where: {' '.join(parts.where)}",
     ]
-    further = {"Unexplained": parts.unexplained, "Next": parts.following}
+    further = {"Unexplained": parts.unexplained, "Next": " ".join(parts.following)}
     return [*lines, *(f"{label}: {text}" for label, text in further.items() if text)]
 
 
@@ -139,9 +143,9 @@ def cause_name(cause: str, report: "Report") -> str:
     return f"a cause outside {tried(report)}" if cause == UNKNOWN else hypothesis_name(cause)
 
 
-def joined(effects: Iterable[str]) -> str:
-    """Several effects that act together, in words."""
-    return listed(hypothesis_name(name) for name in effects)
+def joined(effects: Iterable[str], last: str = "and") -> str:
+    """Several effects, in words."""
+    return listed((hypothesis_name(name) for name in effects), last)
 
 
 def tried(report: "Report") -> str:
@@ -171,26 +175,35 @@ def cause_words(report: "Report") -> str:
         )
     names = [cause_name(cause, report) for cause in causes]
     if state == OPEN:
-        several = listed([*names, *more_words(report, causes)])
-        return " ".join([f"open between {several}.", *confusions(report, causes)])
+        others = [name for group in confused(report, causes) for name in group]
+        more = [name for name in dict.fromkeys(others) if name not in causes]
+        beside = f" Nor do they exclude {joined(more, 'or')}." if more else ""
+        return f"none is named; the data leave those above open.{beside}"
     leads = "" if state == NAMED else "probably " if shares[causes[0]] >= HALF else "perhaps "
     text = f"{leads}{listed(names)}{meaning_of(causes)}."
     return " ".join([text, *confusions(report, causes), *additions(report, causes)])
 
 
 def meaning_of(causes: Iterable[str]) -> str:
-    """What the effects among the causes are, in brackets; empty without one."""
-    meanings = [meaning for cause in causes if (meaning := effect_meaning(cause))]
+    """What the effects among the causes are, in brackets and without what follows a semicolon; may be empty."""
+    known = [effect_meaning(cause).partition(";")[0] for cause in causes]
+    meanings = [meaning for meaning in known if meaning]
     return f" ({'; '.join(one[0].lower() + one[1:] for one in meanings)})" if meanings else ""
 
 
-def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
-    """One sentence for each group of hypotheses that holds a named cause; of overlapping groups only the largest."""
-    classes = report.details.separability.classes if report.details.separability else []
+def confused(report: "Report", causes: Sequence[str]) -> list[Sequence[str]]:
+    """Groups of hypotheses that hold a named cause; of overlapping groups only the largest."""
     groups: list[Sequence[str]] = []
     for group in sorted(report.verdict.indistinguishable, key=len, reverse=True):
         if set(causes) & set(group) and not any(set(group) & set(other) for other in groups):
             groups.append(group)
+    return groups
+
+
+def confusions(report: "Report", causes: Sequence[str]) -> list[str]:
+    """One sentence for each group of hypotheses that holds a named cause."""
+    classes = report.details.separability.classes if report.details.separability else []
+    groups = confused(report, causes)
     alike = [not classes or any(set(group) <= set(each) for each in classes) for group in groups]
     return [
         f"These data {'cannot tell apart ' if same else 'leave open '}{joined(group)}."
@@ -207,7 +220,7 @@ def additions(report: "Report", causes: Sequence[str]) -> list[str]:
     )
     if not others:
         return []
-    return [f"The data do not exclude that {listed(others, 'or')} acts as well."]
+    return [f"The data do not exclude {listed(others, 'or')} beside it."]
 
 
 # -- how much closes -----------------------------------------------------------------------------
@@ -229,7 +242,7 @@ def closed_words(report: "Report") -> str:
     if state == NOTHING:
         return "there is no significant gap to close."
     if best is None:
-        return f"no effect was added to the solver.{alone}"
+        return f"as no cause is named, no run shows how much of the gap a cause closes.{alone}"
     held_out = "" if best.held_out is None else f" and {percent(best.held_out)} in those held out"
     return (
         f"of the models that were run, that with {joined(best.effects)} closes most: {percent(best.fitted)} of "
@@ -255,33 +268,20 @@ def closed(part: "Closed") -> str:
     return f"{value} (90 % interval {span(part.interval, percent)})"
 
 
-# -- where, and what next ------------------------------------------------------------------------
+# -- odd numbers, and what controls taught -------------------------------------------------------
 
 
-def where_sentence(report: "Report") -> str:
-    """Where the gap lies."""
-    regions = report.where
-    if not regions:
-        text = "no single region of the data shows a significant difference"
-        if standing(report).state not in (NOTHING, OPEN):
-            text += "; the answer rests on all points taken together"
-        return f"{text}."
-    largest = sorted(regions, key=lambda region: -region.significance)[:LARGEST_REGIONS]
-    words = "; ".join(
-        f"{region_words(region, report).partition(';')[0]} ({region.experiment})"
-        for region in largest
-    )
-    others = len(regions) - len(largest)
-    more = f"; and {others} smaller region{'s' if others > 1 else ''}" if others else ""
-    corrected = (
-        ", after subtraction of the model error learned from the controls"
-        if report.details.expected
-        else ""
-    )
-    return (
-        "simulation and experiment differ by more than measurement, grid and calibrated parameters explain"
-        f"{corrected}. Simulated, beside measured: {words}{more}."
-    )
+def odd_words(report: "Report") -> str:
+    """Numbers of the experiments that are possible but odd, with the slip that would explain them; may be empty."""
+    named = [
+        f"{one.experiment}, {one.key}: {one.found}" + (f", {one.likely}" if one.likely else "")
+        for one in report.warnings[:MOST_ODD]
+    ]
+    more = len(report.warnings) - len(named)
+    if not named:
+        return ""
+    others = f"; {more} more" if more else ""
+    return f"{'; '.join(named)}{others}. If this is a slip, the answer explains the slip."
 
 
 def expected_gaps(report: "Report") -> str:
@@ -291,9 +291,3 @@ def expected_gaps(report: "Report") -> str:
         factor, shown = shown_gap(name, report.by_observable[name].units)
         parts.append(f"{observable_words(name)} {number(factor * size, 2)} {shown}".rstrip())
     return ", ".join(parts)
-
-
-def next_sentence(measurement: "NextExperiment") -> str:
-    """The most informative next measurement."""
-    gain = with_unit(measurement.expected_gain, measurement.units, 2)
-    return f"{measurement.description} (expected gain {gain})."

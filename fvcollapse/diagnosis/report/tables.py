@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 SHARE_LEAST = 0.005  # of the squared gap: what is less is not listed
 PRIORS = {
-    "uniform": "{0} to {1}",
-    "loguniform": "{0} to {1}, logarithmic",
-    "normal": "{0} \N{PLUS-MINUS SIGN} {1}",
-    "halfnormal": "from {0} upwards, scale {1}",
+    "uniform": "{0} to {1}{2}",
+    "loguniform": "{0} to {1}{2}, logarithmic",
+    "normal": "{0} \N{PLUS-MINUS SIGN} {1}{2}",
+    "halfnormal": "from {0} upwards, scale {1}{2}",
 }
 
 
@@ -28,10 +28,18 @@ def set_up_rows(report: "form.Report") -> "list[tuple[str, form.SetUp | None, st
     """(name, `SetUp`, fitted or held out, measured observables) of each experiment."""
     rows = []
     for name in (*report.experiments, *report.held_out):
-        observables = [o.observable for o in report.details.comparisons if o.experiment == name]
+        observables = [
+            measured_words(one) for one in report.details.comparisons if one.experiment == name
+        ]
         role = "held out" if name in report.held_out else "fitted"
         rows.append((name, report.details.set_ups.get(name), role, observables))
     return rows
+
+
+def measured_words(one: "form.Comparison") -> str:
+    """An observable, of a curve with the number of its points that are compared, of all."""
+    text, compared = observable_words(one.observable), len(one.measured)
+    return text if one.time is None or not one.of else f"{text} ({compared} of {one.of})"
 
 
 def picture_groups(
@@ -201,14 +209,15 @@ def shown_parameter(one: "form.Parameter") -> ShownParameter:
         interval=words.span((one.low, one.high), number)
         if one.low is not None and one.high is not None
         else "",
-        prior=prior_words(one.prior, factor) if one.prior else "",
+        prior=prior_words(one.prior, factor, unit) if one.prior else "",
     )
 
 
-def prior_words(prior: "form.PriorRange", factor: float = 1.0) -> str:
-    """A prior in words, its numbers times a factor; the second one of a logarithmic normal is none of a length."""
-    form = PRIORS.get(prior.kind, "{0}, {1} (" + prior.kind + ")")
-    return form.format(words.number(factor * prior.first), words.number(factor * prior.second))
+def prior_words(prior: "form.PriorRange", factor: float = 1.0, unit: str = "") -> str:
+    """A prior in words, its numbers times a factor and with their unit."""
+    form = PRIORS.get(prior.kind, "{0}, {1}{2} (" + prior.kind + ")")
+    ends = (words.number(factor * end) for end in (prior.first, prior.second))
+    return form.format(*ends, f" {unit}" if unit else "")
 
 
 def assumed_rows(report: "form.Report") -> "list[tuple[form.Assumption, list[str]]]":

@@ -22,18 +22,18 @@ MUCH = 0.25  # and from which it is named
 ONE_SIDED = 0.5  # |direction| from which the motion is one-sided
 FRONT_PART = {FRONT, THIN}
 OBJECTS = {  # what moves there
-    FRONT: "the grains at the front",
+    FRONT: "the grains at the tip of the flow",
     THIN: "thin layers",
     MIDDLE: "the thick flowing part",
     BACK: "the grains near the back wall",
     PILE: "the whole pile",
 }
 STRESSES = {  # what counts there more than elsewhere
-    FRONT: "a stress that does not grow with the thickness, or single grains ahead of the flow",
-    THIN: "a stress that does not grow with the thickness, or a least thickness that flows",
+    FRONT: "a resistance that thin layers feel as much as thick ones, or single grains ahead of the flow",
+    THIN: "a resistance that thin layers feel as much as thick ones, or a least thickness that flows",
     MIDDLE: "friction in proportion to the pressure, in the grains, on the bed or on lateral walls",
-    BACK: "friction that grows with the thickness, or a threshold of motion where shear is slow",
-    PILE: "the volume of the grains with their voids, or the scale of the heights",
+    BACK: "friction that thick layers feel most, or a threshold of motion where shear is slow",
+    PILE: "another volume of the grains with their voids, or another scale of the heights",
 }
 TIMES = {  # what counts then more than at other times
     "release": "the gate and the state of the column at the start",
@@ -95,11 +95,17 @@ def place_words(part: "form.Unexplained", places: Sequence[str]) -> str:
     in_front = sum(share for name, share in sums.items() if name in FRONT_PART)
     if in_front >= MOST:
         thin = "" if THIN not in places else ", in the thin part"
-        return f"front only{thin}"
+        return f"tip of the flow only{thin}"
+    names = [place_name(place) for place in places]
     if sums[places[0]] >= MOST:
-        return f"{places[0]} only"
+        return f"{names[0]} only"
     mostly = "" if sum(sums[place] for place in places) >= MOST else "mostly "
-    return f"{mostly}{listed(places)}"
+    return f"{mostly}{listed(names)}"
+
+
+def place_name(place: str) -> str:
+    """A place in words: the front is an observable, its place the tip of the flow."""
+    return "tip of the flow" if place == FRONT else place
 
 
 def time_words(part: "form.Unexplained") -> str:
@@ -189,14 +195,14 @@ def stress_words(part: "form.Unexplained") -> str:
     if place == PILE or len(phases) > MOST_PHASES:
         return STRESSES[place]
     times = dict.fromkeys(TIMES[phase] for phase in in_order(phases))
-    return f"{STRESSES[place]}; and then: {listed(times)}"
+    return f"{STRESSES[place]}; at that time: {listed(times)}"
 
 
 def likeness_words(one: "form.Likeness") -> str:
     """How an effect resembles the remainder, and what speaks against it."""
     name = hypothesis_name(one.effect)
     if one.cosine < 0.0:
-        return f"the opposite of {name} ({number(-one.cosine, 2)})"
+        return f"{name} with its sign turned round ({number(one.cosine, 2)})"
     against = []
     if one.strength > 1.0:
         against.append(f"{number(one.strength, 2)} times as strong as is plausible")
@@ -218,44 +224,10 @@ def unexplained_words(part: "form.Unexplained | None") -> str:
     side = side_of([(one.share, one.direction) for one in part.shares])
     if side:
         texts.append(CHANGES[side])
-    texts.append(f"What counts there: {stress_words(part)}.")
+    texts.append(f"Worth looking for: {stress_words(part)}.")
     if part.resembles:
         alike = listed(likeness_words(one) for one in part.resembles)
-        texts.append(f"In form it resembles (cosine) {alike}.")
+        texts.append(f"Alike in form (cosine): {alike}.")
     else:
         texts.append("No effect of the catalogue has its form.")
     return " ".join(texts)
-
-
-def practical_words(report: "form.Report") -> list[str]:
-    """How large the gap is in practice, one sentence; none where nothing is beyond the noise."""
-    parts = {name: part for name, part in report.details.practical.items() if part.beyond > 0.0}
-    if not parts:
-        return []
-    sizes = listed(
-        f"{observable_words(name)} {length(name, part, part.beyond)}"
-        for name, part in parts.items()
-    )
-    compared = [
-        f"{observable_words(name)} {length(name, part, honest)}"
-        for name, part in parts.items()
-        if (honest := part.codes if part.controls is None else part.controls) is not None
-    ]
-    taught = any(part.controls is not None for part in parts.values())
-    whose = "the controls leave open" if taught else "two codes for the same equations differ by"
-    beside = f"; {whose} {listed(compared)}" if compared else ""
-    sentences = [f"Beyond noise and calibration (root mean square): {sizes}{beside}."]
-    if not taught and compared and all(is_honest(part) for part in parts.values()):
-        sentences.append("So the gap is no larger than the choice of a code makes it.")
-    return sentences
-
-
-def is_honest(part: "form.Practical") -> bool:
-    """Whether what is left of an observable is no larger than two codes differ by."""
-    return part.codes is not None and part.beyond <= part.codes
-
-
-def length(name: str, part: "form.Practical", value: float) -> str:
-    """A size of an observable as it is shown."""
-    factor, unit = shown_gap(name, part.units)
-    return f"{number(factor * value, 2)} {unit}".rstrip()

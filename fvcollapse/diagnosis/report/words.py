@@ -1,5 +1,7 @@
 """Names of hypotheses and models, and numbers with units, in plain words."""
 
+import re
+import textwrap
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, get_args, get_type_hints
 
@@ -9,10 +11,10 @@ from fvcollapse.measure.quantities import observable_words, plain_unit
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.next_candidates import Candidate
-    from fvcollapse.diagnosis.report.schema import Report, Verdict
+    from fvcollapse.diagnosis.report.schema import Comparison, Report, Verdict
 
 LEAST_PAIR = 0.02  # probability from which further pairs are shown
-MINUS = "\N{MINUS SIGN}"
+MINUS, NO_BREAK = "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 CENTIMETRES = 100.0  # in a metre: lengths of a page are in cm
 # a change of the set-up in words: value in SI units, and the same in cm
 CHANGES = {
@@ -21,6 +23,11 @@ CHANGES = {
     "gate.speed": "with the gate removed as fast as possible",
     "geometry.height_0": "from a column {1:g} cm high",
 }
+# spaces at which no line may end
+UNITS = r"(?:%|sd|s|m|cm|mm|m/s|bit|Pa|kg/m\^?3)(?![\w/])"
+BROKEN = re.compile(
+    rf"(?<=\d) (?={UNITS})|(?<=\d) (?=±)|(?<=±) (?=\d)|(?<=\bX) (?==)|(?<==) (?=\d)"
+)
 REST = {NONE: "no missing effect", UNKNOWN: "a cause outside the catalogue"}
 
 
@@ -118,6 +125,17 @@ def with_unit(value: float, units: str, digits: int = 3) -> str:
     return f"{number(value, digits)} {plain_unit(units)}".rstrip()
 
 
+def unbroken(text: str) -> str:
+    """Text in which no line break parts a number from its unit or its uncertainty."""
+    return BROKEN.sub(NO_BREAK, text)
+
+
+def wrapped(text: str, width: int) -> str:
+    """A line of the answer in lines of a terminal, the further ones indented."""
+    filled = textwrap.fill(unbroken(text), width, subsequent_indent="  ")
+    return filled.replace(NO_BREAK, " ")
+
+
 def in_cm(metres: float) -> str:
     """A length in cm with its unit."""
     return f"{number(CENTIMETRES * metres)} cm"
@@ -138,6 +156,12 @@ def first_causes(verdict: "Verdict", count: int = 3) -> str:
     """The most probable hypotheses of a verdict, with their probabilities."""
     first = list(verdict.probability.items())[:count]
     return ", ".join(f"{hypothesis_name(name)} {percent(share)}" for name, share in first)
+
+
+def thinned_words(one: "Comparison") -> str:
+    """How many of the measured points are compared; empty where all are, or where it is not recorded."""
+    compared = len(one.measured)
+    return f"{compared} of {one.of} measured points are compared" if one.of > compared else ""
 
 
 def candidate_words(candidate: "Candidate") -> str:

@@ -22,7 +22,13 @@ from fvcollapse.case.case import Case
 from fvcollapse.console.bars import tqdm
 from fvcollapse.errors import InputError, NumericalError
 from fvcollapse.files.atomic import write_atomic
-from fvcollapse.studies.bench.case_list import NO_EFFECT, cases, effect_cases, shortened, until
+from fvcollapse.studies.bench.case_list import (
+    cases,
+    effect_cases,
+    shortened,
+    until,
+    without_effect,
+)
 from fvcollapse.studies.bench.report import growth, table
 from fvcollapse.studies.estimate import duration, run_seconds
 from fvcollapse.studies.sweep import sweep
@@ -177,7 +183,8 @@ def run_bench(
         if name not in known:
             raise InputError("command line", "NAME", name, "one of " + ", ".join(known))
     if effects:
-        chosen = {name: known[name] for name in dict.fromkeys([NO_EFFECT, *(names or known)])}
+        pairs = [(without_effect(name), name) for name in names or known]
+        chosen = {name: known[name] for pair in pairs for name in pair}
     else:
         chosen = {name: known[name] for name in names or cases(finest)}
     if not quiet:
@@ -201,8 +208,8 @@ def run_effects(chosen: dict, path: str | Path | None, quiet: bool) -> dict:
     for name, case in tqdm(chosen.items(), disable=quiet or None, unit="case"):
         run_member(shortened(case))  # its kernels are compiled
         row = {"name": name} | run_member(case)
-        first = report["cases"][0] if report["cases"] else row
-        report["cases"].append(row | {"cost_factor": row["wall_s"] / first["wall_s"]})
+        loops = {each["name"]: each["wall_s"] for each in [*report["cases"], row]}
+        report["cases"].append(row | {"cost_factor": row["wall_s"] / loops[without_effect(name)]})
         save(report, path)
     return report
 
