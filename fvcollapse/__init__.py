@@ -1,7 +1,6 @@
 """Granular column collapse on a slope, in two dimensions; see README.md.
 
-The names below are imported when they are first used, so that importing the package costs nothing. `align` is
-not among them, since its module has that name: `from fvcollapse.align import align`.
+The names below are imported when they are first used, so that importing the package costs nothing.
 """
 
 from importlib import import_module
@@ -12,6 +11,7 @@ from fvcollapse.version import __version__
 if TYPE_CHECKING:
     from fvcollapse.case.case import load_case as load_case
     from fvcollapse.diagnosis.diagnose import diagnose as diagnose
+    from fvcollapse.measure.align import align as align
     from fvcollapse.measure.experiment import load_experiment as load_experiment
     from fvcollapse.measure.observables import observe as observe
     from fvcollapse.output.deposit import from_deposit as from_deposit
@@ -27,6 +27,7 @@ PUBLIC = {
     "open_result": "output.result",
     "from_deposit": "output.deposit",
     "observe": "measure.observables",
+    "align": "measure.align",
     "load_experiment": "measure.experiment",
     "diagnose": "diagnosis.diagnose",
     "sweep": "studies.sweep",
@@ -43,4 +44,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

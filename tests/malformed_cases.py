@@ -103,6 +103,12 @@ MALFORMED = {
         "geometry.length_0 = 0.01",
     ),
     "more cells than memory": ("grid.cell_size = 1e-6", "grid.cell_size", "1e-06", "cells"),
+    "column in cm": (
+        "geometry.height_0 = 14\ngeometry.length_0 = 20",
+        "geometry.height_0",
+        "14 m: in cm? It makes 7.78e+06 cells",
+        "at most 4e+06 cells",
+    ),
     "more outputs than disk": (
         "time.output_interval = 1e-9",
         "time.output_interval",

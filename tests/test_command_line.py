@@ -56,7 +56,39 @@ def test_a_command_without_its_arguments_shows_its_help(words, capsys):
     printed, told = capsys.readouterr()
     assert printed.startswith(" ".join(["usage: fvcollapse", *words]))
     assert told.count("\n") == 1
-    assert "are required" in told
+    assert f"fvcollapse {' '.join(words)}: missing: " in told
+
+
+def test_a_folder_of_experiments_can_be_planned_one_by_one(capsys):
+    """Without a folder for the report, which a dry run does not write."""
+    words = ["diagnose", "runs/experiments/martin2017", "--each", "--dry-run"]
+    assert main(words) == 0
+    assert capsys.readouterr().out.count("martin2017") == 4
+    assert main(words[:3]) == 2
+    assert "fvcollapse diagnose: missing: --out; see" in capsys.readouterr().err
+
+
+def test_a_misspelt_effect_is_answered_with_the_nearest(capsys):
+    words = ["diagnose", "runs/experiments/mangeney2010_0deg", "--dry-run"]
+    assert main([*words, "--effects", "lateral_fricton"]) == 2
+    assert capsys.readouterr().err.endswith("; did you mean lateral_friction?\n")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["run", "a.toml", "--workers", "2"], ["bench", "--list"], ["verify", "nosuch"]],
+    ids=" ".join,
+)
+def test_what_is_like_no_name_gets_no_hint(words, capsys):
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert "did you mean" not in told
+    assert "closest" not in told
+
+
+def test_a_folder_is_no_file(capsys):
+    assert main(["run", "runs"]) == 2
+    assert capsys.readouterr().err.startswith("runs: file: found a folder; allowed: a readable")
 
 
 def test_an_option_that_is_given_already_is_not_proposed(capsys):

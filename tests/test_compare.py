@@ -74,3 +74,28 @@ def test_an_experiment_of_another_set_up_is_refused(runs, tmp_path, capsys):
     assert main(["compare", str(runs / "given"), str(beads), "--out", str(out)]) == 2
     assert "geometry.length_0: found 0.2; allowed: 0.19, as beads has it" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_a_run_that_still_moves_is_no_deposit(runs, tmp_path, capsys):
+    """Curves count as far as the run goes; a measured deposit beside it has no difference."""
+    beads = experiment(tmp_path / "beads", fvcollapse.open_result(runs / "given"))
+    with (beads / "front.csv").open("a", encoding="utf-8") as file:
+        file.write("0.5,0.6,0.005\n")
+    (beads / "scalars.csv").write_text("name,value,sigma,kind\nrunout,0.475,0.005,value\n")
+    out = tmp_path / "out"
+    assert main(["compare", str(runs / "given"), str(beads), "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "given still moves at its end, t = 0.06 s" in printed
+    assert "another setting: boundary.mu_bed is 0.48 in the run, inf in beads" in printed
+    assert "another setting: gate.speed is 2.3 in the run, inf in beads" in printed
+    rows = table(out)
+    assert (rows["runout"]["difference"], rows["runout"]["note"]) == ("", "still moves")
+    assert float(rows["runout"]["second"]) == 0.475
+    assert rows["rms difference of front"]["note"] == "to 0.06 s, 5 of 6 points"
+    assert float(rows["rms difference of front"]["difference"]) == pytest.approx(0.01, rel=1e-6)
+
+
+def test_the_package_shows_its_public_names_only():
+    shown = [name for name in dir(fvcollapse) if not name.startswith("__")]
+    assert shown == sorted(name for name in fvcollapse.__all__ if name != "__version__")
+    assert callable(fvcollapse.align)

@@ -172,7 +172,7 @@ UNITS = ["--length-unit", "cm", "--time-unit", "ms", "--volume-unit", "%"]
 def test_curves_become_an_experiment(files, capsys):
     arguments = [word for setting in SET_UP for word in ("--set", setting)]
     assert imported(*CURVES, *PROFILES, *UNITS, *arguments, "--set", "title=beads, by hand") == 0
-    assert capsys.readouterr().out.count("\n") == 5
+    assert capsys.readouterr().out.count("\n") == 9  # files, and ranges of the curves
     experiment = load_experiment(files / "beads")
     assert experiment.settings.title == "beads, by hand"
     assert experiment.settings.geometry.height_0 == 0.14
@@ -296,3 +296,16 @@ def test_a_folder_of_nothing_is_not_made(tmp_path, monkeypatch, capsys):
     assert imported() == 2
     assert "no curve and no --set" in capsys.readouterr().err
     assert not Path("beads").exists()
+
+
+def test_the_ranges_are_told_and_a_front_of_metres_is_asked_for(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("front.csv").write_text("0,20\n0.5,50\n1,70\n")
+    assert imported("--front", "front.csv") == 0
+    printed = capsys.readouterr().out
+    assert "front.csv: 3 points, t = 0 to 1 s, x_front = 20 to 70 m\n" in printed
+    assert "in cm? --length-unit cm" in printed
+    assert imported("--front", "front.csv", "--length-unit", "cm", "--force") == 0
+    printed = capsys.readouterr().out
+    assert "x_front = 0.2 to 0.7 m" in printed
+    assert "in cm?" not in printed

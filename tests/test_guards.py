@@ -13,6 +13,7 @@ from fvcollapse.errors import LimitReached, NumericalError
 from fvcollapse.output import run as output
 from fvcollapse.output import trust
 from fvcollapse.output.recorder import Landing, Recorder
+from fvcollapse.output.summary import cell_words
 from fvcollapse.output.trust import Trust, trust_of
 from fvcollapse.simulation import Simulation
 from fvcollapse.step import guards
@@ -293,14 +294,18 @@ def test_the_result_and_its_summary_say_how_far_to_trust_it(tmp_path, capsys):
     case = tmp_path / "case.toml"
     case.write_text("grid.cell_size = 0.02\ntime.end = 0.01\n")
     assert main(["run", str(case), "--out", str(tmp_path / "out"), "--quiet"]) == 0
-    assert "trust                               fine" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    few = "7 cells in the height of the column, fewer than 12"
+    assert f"trust                               look at it: {few}" in printed
+    assert "what finer cells would change is not judged" in printed
+    assert "20 mm along the bed, 20 mm normal to it; 10 x 7 in the column" in printed
     result = open_result(tmp_path / "out")
-    assert (result.status, result.trust) == ("complete", Trust("fine", ()))
+    assert (result.status, result.trust) == ("complete", Trust("look at it", (few,)))
     summary = result.summary()
     assert (summary["status"], summary["trust"], summary["trust_reasons"]) == (
         "complete",
-        "fine",
-        "",
+        "look at it",
+        few,
     )
 
 
@@ -314,7 +319,29 @@ def test_a_result_older_than_its_status_is_judged_from_its_record(tmp_path):
         file["series/relative_volume"][-1] = 0.02
     result = open_result(tmp_path)
     assert result.status == "complete"
-    assert str(result.trust) == "do not use: volume drifts 2 %"
+    few = "7 cells in the height of the column, fewer than 12"
+    assert str(result.trust) == f"do not use: volume drifts 2 %; {few}"
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        (0.14 / 12, "fine"),
+        (0.0117, "look at it: 11.9 cells in the height of the column, fewer than 12"),
+        (0.035, "4 cells in the height of the column, fewer than 12"),
+    ],
+)
+def test_the_cells_in_the_column_are_judged(size, words):
+    """As many as a diagnosis takes by itself are enough."""
+    case = Case().replace(**{"grid.cell_size": size})
+    assert words in str(trust_of("complete", [0.0], 0.0, 0, 1, case))
+
+
+def test_cells_that_are_fitted_to_the_gate_are_said():
+    case = Case().replace(**{"grid.cell_size": 0.03})
+    assert "28.57 mm along the bed (cell_size = 30 mm, fitted to the gate), 30 mm" in cell_words(
+        case
+    )
 
 
 def test_corrections_of_the_volume_are_judged():

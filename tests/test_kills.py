@@ -21,7 +21,7 @@ from toy_laboratory import film
 pytestmark = pytest.mark.slow
 SCRIPT = Path(__file__).with_name("kill_command.py")
 INSTANTS = 20
-COARSE = "warning: experiment/command line: --cell-size: found 0.028 m"
+COARSE = "warning: experiment: command line: --cell-size: found 0.028 m"
 QUICK = 5.0  # s in which SIGTERM ends a command
 CASE = """[geometry]
 slope_angle_deg = 16

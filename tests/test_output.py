@@ -343,16 +343,26 @@ def test_a_bar_over_runs_counts_them(columns, monkeypatch):
         assert "1/4" in sys.stderr.getvalue()
 
 
+@pytest.mark.parametrize("stream", [Terminal, io.StringIO])
 @pytest.mark.parametrize(
     ("compiled", "quiet", "told"), [(False, False, 1), (True, False, 0), (False, True, 0)]
 )
-def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, monkeypatch):
+def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, stream, monkeypatch):
+    """Also where stderr is a file: it would be silent for a minute and a half."""
     monkeypatch.setattr(compilation, "TOLD", [])
     monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
-    monkeypatch.setattr("sys.stderr", Terminal())
+    monkeypatch.setattr("sys.stderr", stream())
     compilation.tell_compilation(quiet)
     compilation.tell_compilation(quiet)
     assert sys.stderr.getvalue().count(compilation.NOTICE) == told
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_log_of_a_run_says_that_it_compiles(compiled, case, tmp_path, monkeypatch):
+    monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
+    output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
+    text = (tmp_path / "run.log").read_text(encoding="utf-8")
+    assert (compilation.NOTICE in text) == (not compiled)
 
 
 def test_kernels_that_have_run_are_compiled(case, tmp_path):

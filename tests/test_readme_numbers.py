@@ -277,7 +277,17 @@ def test_laboratories_in_which_an_effect_is_named_wrongly_are_not_counted(tmp_pa
     ]
     write_table(tmp_path / "laboratories" / "answers.csv", answers)
     write_table(tmp_path / "laboratories" / "columns_fit.csv", fits)
+    seen = [("a1", "runout"), ("a2", "runout"), ("a3", "final_height")]
+    columns = [
+        {"column": column, "quantity": quantity, "walls": walls}
+        for column, quantity in seen
+        for walls in ("absent", "measured")
+    ]
+    write_table(tmp_path / "laboratories" / "columns.csv", columns)
     monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
     told = readme_trust.laboratories()[1]
-    assert "cohesion first in 1 of 2 questions on wetted beads (40 %)" in told
-    assert "nothing named in 1 of 2 where nothing may be; 28 columns run 31 % less far" in told
+    assert "cohesion comes first in 1 of 2 questions on wetted beads (probability 40 %)" in told
+    assert "nothing is named in 1 of 2 where nothing may be" in told
+    assert (
+        "2 columns of beads of measured runout run 31 % less far in the model, on average" in told
+    )

@@ -13,7 +13,9 @@ from fake_simulation import FakeSimulation
 import fvcollapse
 from fvcollapse.case.case import Case
 from fvcollapse.console import bars
+from fvcollapse.draw import grains
 from fvcollapse.draw.html import html_table
+from fvcollapse.measure.curves import Scalar
 from fvcollapse.measure.quantities import CURVES
 from fvcollapse.output import run as output
 from fvcollapse.output.stored_names import FIELDS, SERIES
@@ -98,7 +100,7 @@ def test_observations_draw_and_label_themselves(result):
     pytest.importorskip("xarray")
     seen = fvcollapse.observe(result)
     assert seen.plot()._repr_png_().startswith(PNG)
-    assert "time stop" in seen._repr_html_()
+    assert "time of arrest" in seen._repr_html_()
     tree = seen.to_xarray()
     assert set(tree.children) == set(CURVES)
     np.testing.assert_array_equal(tree["front"]["front"], seen.front[:, 1])
@@ -123,10 +125,37 @@ def test_an_experiment_draws_and_labels_itself(experiment, result):
     assert tree["profiles"]["x"].attrs["units"] == "m"
 
 
-def test_an_experiment_without_a_curve_says_so(experiment):
-    bare = replace(experiment, curves={"front": experiment.curves["front"]})
-    texts = [text.get_text() for axes in bare.plot().axes for text in axes.texts]
-    assert texts == ["not measured"] * 3
+def test_an_experiment_shows_what_was_measured_only(experiment, result):
+    bare = replace(experiment, curves={"front": experiment.curves["front"]}, scalars=())
+    assert [axes.get_ylabel() for axes in bare.plot().axes] == ["front position (cm)"]
+    numbers = replace(experiment, curves={}, scalars=(Scalar("runout", 0.475, 0.005, "value"),))
+    (axes,) = numbers.plot().axes
+    assert "runout: 47.5 ± 0.5 cm" in axes.texts[0].get_text()
+    front, words = numbers.plot(fvcollapse.observe(result, numbers)).axes
+    assert "measured runout" in front.get_legend_handles_labels()[1]
+    assert "simulated: " in words.texts[0].get_text()
+
+
+def test_results_and_observations_print_as_one_short_line(result):
+    assert repr(result) == (
+        "<Result: slope 22°, channel 10 cm wide, t = 0 to 0.2 s, complete, trust: look at it>"
+    )
+    assert repr(fvcollapse.observe(result)).startswith("<Observations: front of ")
+    assert "\n" not in repr(fvcollapse.observe(result))
+
+
+def test_round_off_of_the_volume_is_no_curve(result):
+    (axes,) = (axes for axes in result.plot("volume").axes if "error" in axes.get_ylabel())
+    low, high = axes.get_ylim()
+    assert low <= -0.01 < 0.01 <= high
+
+
+def test_ticks_of_a_colour_bar_do_not_overlap():
+    ticks = grains.ticks_of("speed", 1.05)
+    places = [float(grains.norm("speed", 1.05)(value)) for value in ticks]
+    assert len(ticks) > 3
+    assert np.diff(places).min() > grains.APART
+    assert ticks[-1] <= 1.05
 
 
 def test_without_xarray_the_error_says_what_installs_it(result, experiment, monkeypatch):

@@ -116,7 +116,9 @@ def test_every_point_has_a_result_and_a_row(case_file, started, capsys):
     for column in ("geometry.slope_angle_deg [deg]", "runout [m]", "arrest_time [s]", "trust"):
         assert column in heading
     with (case_file.parent / "out" / "sweep_units.csv").open(newline="") as file:
-        units = {row["column"]: row["unit"] for row in csv.DictReader(file)}
+        columns = list(csv.DictReader(file))
+    units = {row["column"]: row["unit"] for row in columns}
+    assert all(row["meaning"] for row in columns)
     assert list(units) == list(rows(case_file)[0])
     assert units["geometry.slope_angle_deg"] == "deg"
     words = {"point", "status", "problem", "complete", "ended_at_rest", "trust", "trust_reasons"}
@@ -210,7 +212,7 @@ def test_interrupted_sweep_keeps_its_table_and_continues(case_file, started, mon
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "the following arguments are required: --vary"),
+        ([], "missing: --vary"),
         (["--vary", "gate.sped=1,2"], "gate.sped: found a path that is no key; allowed: the clos"),
         (["--vary", "gate.speed=1,-2"], "gate.speed: found -2; allowed: a number >= 0"),
         (["--vary", "gate=1"], "gate: found 1; allowed: a table"),

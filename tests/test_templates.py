@@ -56,6 +56,11 @@ def test_an_experiment_template_names_every_key_and_file(tmp_path, capsys):
     assert capsys.readouterr().out == f"{path}\n"
     assert read_draft(path) == Settings()
     text = path.read_text(encoding="utf-8")
+    assert re.search(r"# height_0 = +# required; m; height of the column; a number > 0 and", text)
+    assert "# speed =  " in text
+    assert "# m/s; default 10 %; standard deviation of speed" in text
+    assert "# front = 0.01  " in text
+    assert re.search(r'# title = "" +# one line that names the experiment; text', text)
     for name in ("front.csv: t_s, x_front_m", "profiles.csv: t_s, x_m, h_m", "scalars.csv: name"):
         assert name in text
     for name in key_table(Settings):

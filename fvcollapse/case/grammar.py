@@ -12,7 +12,7 @@ import msgspec
 
 from fvcollapse.errors import InputError
 from fvcollapse.files.misfit import UNKNOWN, first_misfit
-from fvcollapse.files.regular import read_regular
+from fvcollapse.files.regular import problem_words, read_regular
 from fvcollapse.files.trees import DEPTH_MAX, ENDLESS_NAME, is_deep, tree_problems
 
 LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -75,8 +75,7 @@ def read_bytes(path: str | Path, kind: str, refuse: type[InputError] = InputErro
     try:
         return read_regular(path)
     except (OSError, ValueError) as error:
-        problem = (getattr(error, "strerror", None) or str(error)).lower()
-        raise refuse(path, "file", problem, f"a readable {kind} file") from None
+        raise refuse(path, "file", problem_words(error), f"a readable {kind} file") from None
 
 
 def decode_text(data: bytes, path: str | Path, refuse: type[InputError] = InputError) -> str:

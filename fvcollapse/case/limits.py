@@ -16,6 +16,7 @@ OUTPUTS_MAX = 100_000  # profiles and fields; a shorter output interval is a sli
 STORED_MAX = 16e9  # bytes of profiles and fields before compression, on the grid of the start
 FIELD_BYTES, PROFILE_BYTES = 80.0, 16.0  # per cell of a field, per column of a profile
 STEPS_MAX = 1_000_000  # the series of as many take 1 GB of memory
+METRES = 1.0  # m; of a higher and longer column with too many cells it is asked whether it is in cm
 ROUND_OFF = 1 + 1e-9  # 0.14/4 and 0.035 are the same size
 
 
@@ -30,7 +31,10 @@ def rule_cells(case: "Case") -> Iterator[tuple[str, str, str]]:
         limit = f"<= geometry.length_0 = {case.geometry.length_0:g}"
         yield "grid.cell_size", f"{size_x:g}", limit
     cells = (height / size_z) * (length / size_x)
-    if cells > CELLS_MAX:
+    if cells > CELLS_MAX and height >= METRES and length >= METRES:
+        found = f"{height:g} m: in cm? It makes {cells:.3g} cells of {size_x:g} m in the column"
+        yield "geometry.height_0", found, f"a column of at most {CELLS_MAX:g} cells"
+    elif cells > CELLS_MAX:
         found = f"{size_x:g}, which makes {cells:.3g} cells in the column"
         yield "grid.cell_size", found, f"sizes that make at most {CELLS_MAX:g} cells"
     band = matrix_bytes(length / size_x, height / size_z)

@@ -54,7 +54,12 @@ class Grid(Section):
 
     cell_size: Annotated[
         float,
-        key("m", "cell size along the bed; at most a quarter of the height", ge=1e-9, le=1000),
+        key(
+            "m",
+            "cell size along the bed, fitted so that the gate is a grid line; at most a quarter of the height",
+            ge=1e-9,
+            le=1000,
+        ),
     ] = 0.006
     cell_size_z: (
         Annotated[

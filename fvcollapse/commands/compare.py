@@ -42,7 +42,13 @@ def execute(arguments: Namespace) -> int:
     else:
         other = open_result(result_file(arguments.other))
     from fvcollapse.draw.comparison import draw_comparison  # heavy, and not needed to refuse a file
-    from fvcollapse.measure.comparison import COLUMNS, between_runs, table, to_experiment
+    from fvcollapse.measure.comparison import (
+        COLUMNS,
+        between_runs,
+        remarks,
+        table,
+        to_experiment,
+    )
 
     names = [named(path) for path in (arguments.run, arguments.other)]
     folder = arguments.out or Path("out") / f"compare_{'_'.join(names)}"
@@ -51,6 +57,8 @@ def execute(arguments: Namespace) -> int:
     claim_folder(folder, "compare", question, arguments.force)
     picture = draw_comparison(folder, names, result, other, experiment)
     print(table(rows, names))
+    for remark in remarks(names, result, other, experiment):
+        print(remark)
     for path in (write_table(rows, COLUMNS, folder), picture):
         print(path)
     return 0

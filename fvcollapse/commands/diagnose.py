@@ -13,6 +13,8 @@ from fvcollapse.commands.arguments import (
     add_workers,
 )
 from fvcollapse.commands.diagnose_each import diagnose_each
+from fvcollapse.commands.parser import MissingArguments, nearest
+from fvcollapse.errors import InputError
 from fvcollapse.files.plain_numbers import decimal_number, whole_number
 
 
@@ -32,10 +34,11 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--each",
         action="store_true",
-        help="diagnose each experiment by itself, into <FOLDER>/<its name>; summary.csv has all answers",
+        help="diagnose each experiment, or each in a folder of them, by itself, into <FOLDER>/<its name>; summary.csv"
+        " has all answers",
     )
     parser.add_argument(
-        "--out", metavar="FOLDER", type=Path, required=True, help="folder of the report"
+        "--out", metavar="FOLDER", type=Path, help="folder of the report; needed without --dry-run"
     )
     add_force(parser)
     parser.set_defaults(command=execute)
@@ -90,6 +93,8 @@ def execute(arguments: Namespace) -> int:
     """Compare experiments with a model and its possible effects; continue what is there; write a report."""
     from fvcollapse.diagnosis.report import FILE_NAME
 
+    if arguments.each:
+        arguments.experiments = inside(arguments.experiments)
     refuse_unread(arguments)
     if arguments.dry_run:
         return print_plan(arguments)
@@ -116,16 +121,47 @@ def refuse_unread(arguments: Namespace) -> None:
     InputError, OutputError
     """
     from fvcollapse.case.case import load_case
-    from fvcollapse.diagnosis.levels import applicable_effects
     from fvcollapse.files.targets import refuse_file
     from fvcollapse.measure.experiment import load_experiment
 
+    if arguments.out is None and not arguments.dry_run:
+        where = "see `fvcollapse diagnose --help`"
+        raise MissingArguments("command line", "fvcollapse diagnose", "--out", where)
     for folder in (*arguments.experiments, *arguments.hold_out, *arguments.controls):
         load_experiment(folder)
     if arguments.case is not None:
         load_case(arguments.case)
-    applicable_effects({}, effects_of(arguments))
-    refuse_file(arguments.out)
+    refuse_effects(effects_of(arguments))
+    if arguments.out is not None:
+        refuse_file(arguments.out)
+
+
+def inside(folders: list[Path]) -> list[Path]:
+    """The experiments in these folders: themselves, or those that they hold."""
+    from fvcollapse.measure.experiment import SETTINGS
+
+    found: list[Path] = []
+    for folder in folders:
+        held = sorted(path.parent for path in folder.glob(f"*/{SETTINGS}"))
+        found += [folder] if (folder / SETTINGS).exists() or not held else held
+    return found
+
+
+def refuse_effects(names: list[str] | None) -> None:
+    """Refuse a name that is no effect of the catalogue, with the one that was perhaps meant.
+
+    Raises
+    ------
+    InputError
+    """
+    from fvcollapse.diagnosis.levels import applicable_effects
+
+    try:
+        applicable_effects({}, names)
+    except InputError as error:
+        meant = nearest(error.found.strip("'\""), error.allowed.split(", "))
+        hint = f"; did you mean {meant}?" if meant else ""
+        raise InputError(error.file, error.key, error.found, f"{error.allowed}{hint}") from None
 
 
 def asked(arguments: Namespace, experiments: list, folder: Path) -> Any:

@@ -66,12 +66,20 @@ def add_settings(parser: Any) -> None:
 
 def execute(arguments: Namespace) -> int:
     """Write digitised curves (x, y; up to three header lines; any column and decimal mark) as an experiment."""
-    from fvcollapse.measure.digitised import Units, missing_settings, write_experiment
+    from fvcollapse.measure.digitised import (
+        Units,
+        missing_settings,
+        read_ranges,
+        write_experiment,
+    )
 
     units = Units(arguments.length_unit, arguments.time_unit, arguments.volume_unit)
     changes = {"settings": arguments.settings, "force": arguments.force}
-    for path in write_experiment(sources_of(arguments), arguments.out, units, **changes):
+    written = write_experiment(sources_of(arguments), arguments.out, units, **changes)
+    for path in written:
         print(path)
+    for line in read_ranges(written):
+        print(line)
     missing = missing_settings(arguments.out)
     if missing:
         print(f"still to be filled in: {missing}")

@@ -8,7 +8,15 @@ from typing import Any
 
 from fvcollapse.errors import InputError, one_line
 
-LEAST_ALIKE = 0.5  # of two names, below which none is proposed
+LEAST_ALIKE = 0.7  # of two names without dashes in front, below which none is proposed
+REQUIRED = "the following arguments are required: "  # of argparse
+
+
+class MissingArguments(InputError):
+    """Arguments that a command needs and that are not there."""
+
+    def __str__(self) -> str:
+        return one_line(f"{self.file}: {self.key}: missing: {self.found}; {self.allowed}")
 
 
 class Parser(argparse.ArgumentParser):
@@ -42,8 +50,11 @@ class Parser(argparse.ArgumentParser):
         ------
         InputError
         """
-        usage = f"the arguments listed by `{self.prog} --help`"
         hint = f"; did you mean {meant}?" if meant else ""
+        if found.startswith(REQUIRED):
+            missing, where = found.removeprefix(REQUIRED), f"see `{self.prog} --help`{hint}"
+            raise MissingArguments("command line", self.prog, missing, where)
+        usage = f"the arguments listed by `{self.prog} --help`"
         raise InputError("command line", self.prog, one_line(found), f"{usage}{hint}")
 
     def parse_known_args(self, args=None, namespace=None):
@@ -66,8 +77,10 @@ class Parser(argparse.ArgumentParser):
 
 
 def nearest(word: str, names: Iterable[str]) -> str:
-    """The name most like a word; empty where none is."""
-    return next(iter(get_close_matches(word, list(names), n=1, cutoff=LEAST_ALIKE)), "")
+    """The name most like a word, dashes in front apart; empty where none is."""
+    bare = {name.lstrip("-"): name for name in names}
+    found = get_close_matches(word.lstrip("-"), list(bare), n=1, cutoff=LEAST_ALIKE)
+    return bare[found[0]] if found else ""
 
 
 def add_commands(parser: Any) -> Any:

@@ -27,7 +27,7 @@ class RoundsBar:
         self.expected, self.missing, self.asked = dict(expected), 0.0, 0.0
         self.runs, self.ended, self.cost, self.gone, self.round = 0, 0, 0.0, 0.0, ""
         self.bar: tqdm | None = None
-        self.off = not is_shown(quiet)
+        self.off, self.hidden = quiet, not is_shown(quiet)  # nothing is said; no bar is drawn
 
     def begin(self, name: str, missing: Sequence[float], asked: float) -> None:
         """Begin a round.
@@ -65,7 +65,7 @@ class RoundsBar:
 
     def show(self) -> None:
         """Draw the bar as it is now; nothing before the first run that is missing."""
-        if self.off or not self.runs:
+        if self.hidden or not self.runs:
             return
         runs, cost = self.later
         about = "about " if runs else ""

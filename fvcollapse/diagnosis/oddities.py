@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from fvcollapse.measure.experiment import Experiment
 
 
+COMMAND_LINE = "command line"  # in place of a file
+
+
 class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A number of an experiment that no gap should be explained with before it is checked.
 
@@ -36,7 +39,8 @@ class Oddity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def line(self) -> str:
         """One line."""
         end = f"; {self.likely}" if self.likely else ""
-        place = f"{self.experiment}/{self.file}: {self.key}"
+        between = ": " if self.file == COMMAND_LINE else "/"
+        place = f"{self.experiment}{between}{self.file}: {self.key}"
         return f"{place}: found {self.found}; expected: {self.expected}{end}"
 
 
@@ -54,7 +58,7 @@ def coarse_grid(question: "Question") -> list[Oddity]:
     return [
         Oddity(
             name,
-            "command line",
+            COMMAND_LINE,
             "--cell-size",
             f"{question.cases[name].grid.cell_size:g} m",
             f"at most {size:.3g} m, with which the verdict layer was fitted; on coarser cells probabilities are not "

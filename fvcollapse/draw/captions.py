@@ -1,12 +1,14 @@
 """What each picture of a result shows, in words: the text files beside the pictures."""
 
+from math import isclose
 from textwrap import fill
 from typing import Any
 
 import numpy as np
 
+from fvcollapse.case.words import set_up_words
 from fvcollapse.draw.animation import FRAME_TIME, slow_motion
-from fvcollapse.draw.drawing import chosen_times, set_up_words
+from fvcollapse.draw.drawing import chosen_times
 from fvcollapse.draw.figures import (
     EXAGGERATION,
     FIELD_PROGRESS,
@@ -16,6 +18,7 @@ from fvcollapse.draw.figures import (
 )
 from fvcollapse.draw.grains import DECADES, scale_of
 from fvcollapse.draw.look import Look
+from fvcollapse.step.grid import spacing
 
 LINE = 100  # characters
 COLOURS = {
@@ -41,8 +44,9 @@ def caption(result: Any, what: str, look: Look) -> str:
 def run_words(result: Any) -> str:
     """The run in a sentence."""
     case = result.case
-    size = 1000.0 * case.grid.cell_size
-    return f"Run: {set_up_words(result)}, cells of {size:g} mm, trust: {result.trust.verdict}."
+    dx, dz = (1000.0 * size for size in spacing(case.resolved))
+    size = f"{dx:.4g} mm" if isclose(dx, dz) else f"{dx:.4g} x {dz:.4g} mm"
+    return f"Run: {set_up_words(case)}, cells of {size}. Trust: {result.trust.words}."
 
 
 def frame_words(look: Look) -> str:
@@ -57,12 +61,21 @@ def times_words(times: np.ndarray) -> str:
     return f"t = {', '.join(f'{time:.3g}' for time in times)} s"
 
 
+def reason_words(progress: tuple[float, ...], look: Look) -> str:
+    """Why the picture shows these times."""
+    if look.times:
+        return "They are the stored times nearest to those that were asked for."
+    parts = ", ".join(f"{100.0 * part:g}" for part in progress[:-1])
+    return f"They are the times at which the front has gone {parts} % of its way, and the last."
+
+
 def profiles_words(result: Any, look: Look) -> list[str]:
     """Of the thickness profiles."""
     times = result.profiles.time
     chosen = chosen_times(result, times, PROFILE_PROGRESS, look.times)
     return [
         f"Thickness normal to the bed at {times_words(times[chosen])}, dark to light.",
+        reason_words(PROFILE_PROGRESS, look),
         f"Heights are exaggerated {EXAGGERATION:g} times.",
     ]
 
@@ -73,6 +86,7 @@ def interface_words(result: Any, look: Look) -> list[str]:
     chosen = chosen_times(result, times, FIELD_PROGRESS, look.times)
     return [
         f"Static (grey) and flowing (light, faster than 0.01 m/s) grains at {times_words(times[chosen])}.",
+        reason_words(FIELD_PROGRESS, look),
         "The orange line is the gate.",
         frame_words(look),
     ]
@@ -109,6 +123,7 @@ def field_words(result: Any, name: str, look: Look) -> list[str]:
     scale = scale_of(name)
     return [
         f"{scale.label[0].upper()}{scale.label[1:]} at {times_words(result.field_times[chosen])}.",
+        reason_words(FIELD_PROGRESS, look),
         f"{COLOURS[scale.law]}.",
         "The black line is the free surface, the orange one the gate.",
         frame_words(look),

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from fvcollapse.case.words import set_up_words
 from fvcollapse.draw.look import DPI, View
 from fvcollapse.step.erodible_bed import layer_thickness
 from fvcollapse.step.gate import gate_height, gate_lift
@@ -128,14 +129,7 @@ def stamp(axes: Axes, time: float) -> None:
 
 def title(axes: Axes, result: Any, what: str) -> None:
     """Set the title of a picture: quantity, slope and width of the channel."""
-    axes.set_title(f"{what} — {set_up_words(result)}", fontsize="medium")
-
-
-def set_up_words(result: Any) -> str:
-    """Slope and channel of a run in words."""
-    geometry, width = result.case.geometry, result.case.geometry.channel_width
-    channel = f", channel {100 * width:g} cm wide" if np.isfinite(width) else ""
-    return f"slope {geometry.slope_angle_deg:g}°{channel}"
+    axes.set_title(f"{what} — {set_up_words(result.case)}", fontsize="medium")
 
 
 def draw_gate(axes: Axes, case: Any, time: float, view: View, origin: float = 0.0) -> list:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from fvcollapse.draw.curves import LEAST_VOLUME, show_at_least
 from fvcollapse.draw.drawing import (
     BLUE,
     GREEN,
@@ -126,6 +127,7 @@ def draw_volume(result: Any, look: Look = USUAL) -> Picture:
     above, below = figure.subplots(2, 1, sharex=True)
     above.plot(result.time, 100.0 * result.relative_volume, color=BLUE)
     above.set_ylabel("volume error (%)")
+    show_at_least(above, LEAST_VOLUME)
     below.plot(result.time, 100.0 * result.volume_correction, color=ORANGE, label="corrections")
     below.plot(result.time, 100.0 * result.detached_volume, color=GREEN, ls="--", label="detached")
     below.set(xlabel="time (s)", ylabel="part of the volume (%)", xlim=time_limits(result.time))

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from fvcollapse.draw.look import View
 
+APART = 0.06  # of the length of a bar that its ticks are apart at least
 DECADES = 6  # of a logarithmic scale
 
 
@@ -101,10 +102,22 @@ def largest(field: dict, name: str) -> float:
     return float(quantity(field, name)[centre < 0.0].max(initial=1e-12))
 
 
+def ticks_of(name: str, top: float) -> list[float]:
+    """Round values up to the largest one, without those that would stand on another in the bar."""
+    kept: list[float] = []
+    for value in MaxNLocator(5).tick_values(0.0, top):
+        place = float(norm(name, top)(value))
+        if 0.0 <= value <= top and all(
+            abs(place - float(norm(name, top)(other))) > APART for other in kept
+        ):
+            kept.append(float(value))
+    return kept
+
+
 def colour_bar(figure: Figure, panels: Any, name: str, top: float) -> None:
     """Colour bar beside a column of panels; it says its law."""
     scale = scale_of(name)
     colours = ScalarMappable(norm(name, top), scale.colours)
-    ticks = None if scale.law == "logarithmic" else MaxNLocator(5)  # more would overlap
+    ticks = None if scale.law == "logarithmic" else ticks_of(name, top)
     label = f"{scale.label}\n{LAWS[scale.law]}"
     figure.colorbar(colours, ax=list(panels), label=label, fraction=0.05, pad=0.02, ticks=ticks)

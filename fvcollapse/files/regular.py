@@ -44,9 +44,16 @@ def refuse_unreadable(path: str | Path, allowed: str) -> None:
         with open(path, "rb"):
             pass
     except (OSError, ValueError) as error:
-        problem = (getattr(error, "strerror", None) or str(error)).lower()
+        problem = problem_words(error)
         refusal = UnreadableError if isinstance(error, PermissionError) else InputError
         raise refusal(path, "file", problem, allowed) from None
+
+
+def problem_words(error: Exception) -> str:
+    """Why a file could not be read."""
+    if isinstance(error, IsADirectoryError):
+        return "a folder"
+    return (getattr(error, "strerror", None) or str(error)).lower()
 
 
 def read_regular(path: str | Path) -> bytes:

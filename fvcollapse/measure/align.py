@@ -88,7 +88,7 @@ def refuse_uncovered(observations: "Observations", path: str | Path, last: float
     """Refuse a measured time that a simulation in motion does not reach."""
     end = observations.front[-1, 0]
     if last > end + SAME_TIME and observations.scalars["time_stop"] is None:
-        limit = f"<= {end:g}, where the simulation ends in motion: a later time.end"
+        limit = f"<= {end:g}, where the simulation ends in motion: give it a later time.end"
         raise InputError(path, "t_s", f"{last:g}", limit)
 
 

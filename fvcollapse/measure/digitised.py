@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fvcollapse.case.case import parse_value
-from fvcollapse.case.grammar import read_text, show, toml_value
+from fvcollapse.case.grammar import read_text
 from fvcollapse.errors import InputError, OutputError
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.regular import refuse_unreadable
 from fvcollapse.files.targets import ELSEWHERE, has_contents, is_there, make_folder
-from fvcollapse.measure.curves import curve_text
+from fvcollapse.measure.curves import curve_text, read_curve
 from fvcollapse.measure.digitised_table import read_table
 from fvcollapse.measure.experiment import (
     SETTINGS,
@@ -22,13 +22,15 @@ from fvcollapse.measure.experiment import (
     read_draft,
     read_measurements,
 )
-from fvcollapse.measure.experiment_keys import describe_keys, rule_required, settings_from_table
-from fvcollapse.measure.quantities import CURVES
+from fvcollapse.measure.experiment_keys import rule_required
+from fvcollapse.measure.quantities import CURVES, PROFILES, plain_unit
+from fvcollapse.measure.settings_text import settings_text
 from fvcollapse.measure.uncertainty import Uncertainty
 
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001}
 TIMES = {"s": 1.0, "ms": 0.001}
 RATIOS = {"1": 1.0, "%": 0.01}
+FAR = 10.0  # m that no front of a laboratory reaches
 GATE = "geometry.length_0"  # where the gate stands
 
 
@@ -217,40 +219,26 @@ def merge_repeats(pairs: np.ndarray) -> np.ndarray:
     return np.column_stack([x, np.bincount(where, pairs[:, 1]) / count])
 
 
-def settings_text(settings: Sequence[str], path: str | Path) -> str:
-    """Text of a new `experiment.toml`: what is known, and as comments the keys that are not."""
-    table: dict[str, Any] = {}
-    for setting in settings:
-        if not is_utf8(setting):
-            raise InputError(
-                path, "--set", f"a byte that is not UTF-8 in {setting!r}", "UTF-8 text"
-            )
-        name, equals, value = (part.strip() for part in setting.partition("="))
-        if not (name and equals):
-            raise InputError(
-                path, f"--set {setting}", "no key or no '='", "--set section.key=VALUE"
-            )
-        section, _, last = name.rpartition(".")
-        inner = table.setdefault(section, {}) if section else table
-        if not isinstance(inner, dict):
-            raise InputError(path, section, show(inner), "a table")
-        inner[last] = parse_value(value)
-    settings_from_table(table, path)
-    lines, header = [], ""
-    for info in describe_keys():
-        section, _, name = info.name.rpartition(".")
-        if section != header:
-            lines += ["", f"[{section}]"]
-            header = section
-        inner = table.get(section, {}) if section else table
-        known = f"{name} = {toml_value(inner[name])}" if name in inner else f"# {name} ="
-        lines.append(f"{known}    # {info.unit}, {info.description}")
-    return "# What was not measured stays a comment.\n\n" + "\n".join(lines) + "\n"
-
-
-def is_utf8(text: str) -> bool:
-    """Whether a word of the command line was UTF-8: other bytes arrive as lone surrogates."""
-    return not any("\ud800" <= letter <= "\udfff" for letter in text)
+def read_ranges(paths: Sequence[Path]) -> list[str]:
+    """What was read into each curve of an experiment folder, in words: number of points, and their ranges in SI."""
+    lines = []
+    for path in paths:
+        if path.stem not in CURVES:
+            continue
+        quantity = CURVES[path.stem]
+        rows = read_curve(path, path.stem, 1.0)
+        parts = [("t", rows.time, "s"), (quantity.columns[-1], rows.value, quantity.unit)]
+        if rows.x is not None:
+            parts.insert(1, ("X", rows.x, "m"))
+        spans = [
+            f"{name.removesuffix('_m')} = {of.min():.4g} to {of.max():.4g} {plain_unit(unit)}"
+            for name, of, unit in parts
+        ]
+        lines.append(f"{path.name}: {len(rows.time)} points, {', '.join(spans).rstrip()}")
+        far = rows.x if path.stem in PROFILES else rows.value if path.stem == "front" else None
+        if far is not None and far.max() > FAR:
+            lines.append(f"{path.name}: grains at {far.max():.4g} m: in cm? --length-unit cm")
+    return lines
 
 
 def missing_settings(folder: Path) -> str:

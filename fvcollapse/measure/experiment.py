@@ -107,7 +107,7 @@ class Experiment:
         return assumed_of_grains(self.settings.material, base)
 
     def plot(self, observed: "Observations | None" = None) -> "Picture":
-        """The measured curves as a figure, which a notebook shows.
+        """What was measured as a figure, which a notebook shows: the curves, and the numbers in words.
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ class Experiment:
         """
         from fvcollapse.draw.curves import draw_observables  # loads matplotlib
 
-        return draw_observables(observed, self.curves)
+        return draw_observables(observed, self.curves, self.scalars)
 
     def to_xarray(self) -> "xarray.DataTree":
         """The measured points as labelled arrays with units and standard deviations, one group for each curve.

@@ -1,9 +1,9 @@
 """An `experiment.toml` to fill in, with the CSV files that belong beside it."""
 
 from fvcollapse.measure.curves import CSV_FILES, KINDS, SCALAR_COLUMNS, SCALARS
-from fvcollapse.measure.digitised import settings_text
 from fvcollapse.measure.experiment import SETTINGS
 from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+from fvcollapse.measure.settings_text import settings_text
 
 
 def experiment_template() -> str:

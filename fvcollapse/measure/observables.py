@@ -14,7 +14,7 @@ from fvcollapse.files.labelled import tree
 from fvcollapse.measure.labels import labelled_rows
 from fvcollapse.measure.observation import seen_front, seen_place, seen_time_origin
 from fvcollapse.measure.pile import front_position
-from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS
+from fvcollapse.measure.quantities import CURVES, SCALAR_UNITS, observable_words
 from fvcollapse.measure.series_readings import arrest_time, front_velocity, peak_front_velocity
 
 if TYPE_CHECKING:
@@ -59,9 +59,13 @@ class Observations:
             groups, {name: value for name, value in self.scalars.items() if value is not None}
         )
 
+    def __repr__(self) -> str:
+        end, runout = self.front[-1, 0], self.scalars["runout"]
+        return f"<Observations: front of {len(self.front)} times to {end:.4g} s, runout {runout:.4g} m>"
+
     def _repr_html_(self) -> str:
         rows = [
-            (name.replace("_", " "), "-" if value is None else f"{value:.4g} {SCALAR_UNITS[name]}")
+            (observable_words(name), "-" if value is None else f"{value:.4g} {SCALAR_UNITS[name]}")
             for name, value in self.scalars.items()
         ]
         return html_table("observed", rows)

@@ -1,10 +1,13 @@
 """Whether the kernels are compiled already: the first start on a machine says that it waits for the compiler."""
 
 import sys
+from typing import TYPE_CHECKING
 
-from fvcollapse.console.bars import is_shown
+if TYPE_CHECKING:
+    from logging import Logger
 
-NOTICE = "compiling the kernels: once on this machine, about a minute"
+
+NOTICE = "compiling the kernels: once on this machine, about a minute and a half"
 TOLD: list[bool] = []  # whether this process has said so
 
 
@@ -16,9 +19,21 @@ def is_compiled() -> bool:
     return files is None or bool(march.overloads) or bool(files._load_index())
 
 
-def tell_compilation(quiet: bool) -> None:
-    """Say once, where bars are shown, that the kernels will be compiled; nothing if they are, or if `quiet`."""
-    if TOLD or not is_shown(quiet) or is_compiled():
+def tell_compilation(quiet: bool, log: "Logger | None" = None) -> None:
+    """Say that the kernels will be compiled; nothing if they are.
+
+    Parameters
+    ----------
+    quiet : bool
+        Not on stderr, where it is said once in a process, whether a terminal or a file.
+    log : Logger, optional
+        The log of a run, which says it too.
+    """
+    said = quiet or bool(TOLD)
+    if (said and log is None) or is_compiled():
         return
-    TOLD.append(True)
-    print(NOTICE, file=sys.stderr, flush=True)
+    if log is not None:
+        log.info("%s", NOTICE)
+    if not said:
+        TOLD.append(True)
+        print(NOTICE, file=sys.stderr, flush=True)

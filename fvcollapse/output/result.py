@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.case.words import set_up_words
 from fvcollapse.draw.html import html_table
 from fvcollapse.files.hdf5 import reading, text_attribute
 from fvcollapse.measure.series_readings import LOSSES, WORKS, arrest_time, peak_front_velocity
@@ -17,13 +18,13 @@ from fvcollapse.output.field_layout import read_field
 from fvcollapse.output.labels import tree_of
 from fvcollapse.output.record_layout import check_header, read_record
 from fvcollapse.output.stored_names import SERIES
+from fvcollapse.output.summary import summary_rows
 from fvcollapse.output.tables import tabled
 from fvcollapse.output.trust import COMPLETE, INTERRUPTED, Trust, trust_of
 
 if TYPE_CHECKING:
     import xarray
 
-    from fvcollapse.case.case import Case
     from fvcollapse.draw.drawing import Picture
 
 FORMAT = "fvcollapse-result"
@@ -175,6 +176,11 @@ class Result:
         """
         return tree_of(self, fields)
 
+    def __repr__(self) -> str:
+        end = self.series["time"][-1]
+        words = (set_up_words(self.case), f"t = 0 to {end:.4g} s", self.status)
+        return f"<Result: {', '.join(words)}, trust: {self.trust.verdict}>"
+
     def _repr_html_(self) -> str:
         return html_table("run", summary_rows(self.summary(), self.case))
 
@@ -232,59 +238,3 @@ def read_field_times(file: h5py.File) -> np.ndarray:
     """Times of the fields in order; the groups are numbered from 0."""
     fields = file["fields"]
     return np.array([fields[str(index)].attrs["time"] for index in range(len(fields))])
-
-
-def share_of_dissipation(summary: dict, name: str) -> float:
-    """An energy of the summary in % of the dissipated energy."""
-    total = summary["dissipation"] + summary["numerical_loss"]
-    return 100.0 * summary[name] / total if total > 0.0 else 0.0
-
-
-def runout_words(s: dict) -> str:
-    """The farthest front, and that of the deposit, which may be nearer where the tip thins."""
-    return f"{s['runout']:.4f} m, the farthest; {s['final_front']:.4f} m at the end"
-
-
-def end_words(s: dict, case: "Case") -> str:
-    """How the simulated time is related to the end of the case; empty where it is that."""
-    if s["ended_at_rest"]:
-        return f" of {case.time.end:g} s (ended at rest)"
-    return "" if s["complete"] else f" of {case.time.end:g} s (incomplete)"
-
-
-def summary_rows(summary: dict, case: "Case") -> list[tuple[str, str]]:
-    """Name and value, as text, of each line of the summary table."""
-    s = summary
-    arrest = (
-        f"{s['arrest_time']:.3f} s"
-        if s["arrest_time"] is not None
-        else (f"not at rest ({s['final_max_speed']:.3g} m/s)")
-    )
-    return [
-        ("simulated time", f"{s['time']:.4g} s{end_words(s, case)}"),
-        ("trust", str(Trust(s["trust"], tuple(filter(None, [s["trust_reasons"]]))))),
-        ("runout at 10 mm thickness", f"{s['runout_10mm']:.4f} m"),
-        (f"runout at {1000 * case.front.thickness:g} mm thickness", runout_words(s)),
-        ("runout at 1 mm thickness", f"{s['runout_1mm']:.4f} m"),
-        ("x_99 (99 % of the volume)", f"{s['x_99']:.4f} m"),
-        ("final / largest thickness", f"{s['final_thickness']:.4f} m / {s['max_thickness']:.4f} m"),
-        (
-            "peak front velocity",
-            f"{s['peak_front_velocity']:.3f} m/s at {s['peak_front_velocity_time']:.3f} s",
-        ),
-        ("arrest (below 1 mm/s)", arrest),
-        ("largest volume error", f"{100 * s['volume_error_max']:.2e} %"),
-        ("sum of |volume corrections|", f"{100 * s['volume_correction']:.3f} %"),
-        (
-            "energy lost to the discretisation",
-            f"{share_of_dissipation(s, 'numerical_loss'):.2f} % of the dissipation (time step "
-            f"{share_of_dissipation(s, 'loss_time'):.2f}, advection "
-            f"{share_of_dissipation(s, 'loss_advection'):.2f}, surface "
-            f"{share_of_dissipation(s, 'loss_surface'):.2f})",
-        ),
-        ("largest detached volume", f"{100 * s['detached_volume_max']:.4f} %"),
-        ("largest number of cells in suction", f"{s['negative_pressure_cells_max']}"),
-        ("steps, sweeps", f"{s['steps']}, {s['sweeps']}"),
-        ("capped steps", f"{s['capped_steps']} (largest residual {s['residual_max']:.1e})"),
-        ("wall time of the time loop", f"{s['wall_time']:.1f} s"),
-    ]

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 
 UNCACHED = (
-    "compiled kernels cannot be kept on the disk, so that every start takes a minute or two: "
+    "compiled kernels cannot be kept on the disk, so that every start takes a minute and a half: "
     "set NUMBA_CACHE_DIR to a folder that may be written"
 )
 CHECKPOINT_INTERVAL = 20.0  # s of wall time
@@ -148,7 +148,7 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        tell_compilation(quiet)
+        tell_compilation(quiet, log)
         make = partial(Job, simulate=simulate)
         keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)

@@ -15,9 +15,12 @@ than 4 % of them; materials of pure yield stress that come to rest have up to ha
 capped steps are therefore a reason to look at a result, not to discard it.
 """
 
+from math import floor
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from fvcollapse.step.grid import spacing
 
 if TYPE_CHECKING:
     from fvcollapse.case.case import Case
@@ -27,6 +30,9 @@ FINE, LOOK, DO_NOT_USE = "fine", "look at it", "do not use"
 VOLUME_LOOK, VOLUME_USELESS = 0.002, 0.01  # of the volume at the start
 CORRECTED_LOOK, CORRECTED_USELESS = 0.15, 0.5  # sum of the corrections, of the volume at the start
 CAPPED_LOOK = 0.2  # of the steps
+HEIGHT_LOOK, LENGTH_LOOK = 12, 6  # cells in the column, as a diagnosis takes them by itself
+ROUND_OFF = 1.0 + 1.0e-9  # 0.14 and 12 times 0.14/12 are the same height
+NOT_JUDGED = "what finer cells would change is not judged"
 COMPLETE, RUNNING, INTERRUPTED, STOPPED, FAILED = (
     "complete",
     "running",
@@ -44,6 +50,11 @@ class Trust(NamedTuple):
 
     def __str__(self) -> str:
         return ": ".join(part for part in (self.verdict, "; ".join(self.reasons)) if part)
+
+    @property
+    def words(self) -> str:
+        """The same, and what it does not say."""
+        return f"{self} ({NOT_JUDGED})"
 
 
 def trust_of(
@@ -77,6 +88,7 @@ def trust_of(
         judged_volume(largest_drift(relative_volume, case)),
         judged_corrections(corrected),
         judged_capped(capped, steps),
+        judged_cells(case),
     ]
     found = [(verdict, reason) for verdict, reason in found if verdict != FINE]
     order = (FINE, LOOK, DO_NOT_USE)
@@ -115,6 +127,26 @@ def judged_capped(capped: int, steps: int) -> tuple[str, str]:
     if share <= CAPPED_LOOK:
         return FINE, ""
     return LOOK, f"{100.0 * share:.0f} % of the steps are capped"
+
+
+def judged_cells(case: "Case") -> tuple[str, str]:
+    """(verdict, reason) of the cells in the column."""
+    high, long = cells_in_column(case)
+    found = []
+    if high * ROUND_OFF < HEIGHT_LOOK:
+        found.append(
+            f"{floor(10.0 * high) / 10.0:g} cells in the height of the column, fewer than {HEIGHT_LOOK}"
+        )
+    if long * ROUND_OFF < LENGTH_LOOK:
+        found.append(f"{floor(10.0 * long) / 10.0:g} cells in its length, fewer than {LENGTH_LOOK}")
+    return (LOOK, "; ".join(found)) if found else (FINE, "")
+
+
+def cells_in_column(case: "Case") -> tuple[float, float]:
+    """Cells in the height and in the length of the column at the start."""
+    column = case.resolved
+    dx, dz = spacing(column)
+    return column.geometry.height_max / dz, column.geometry.length_0 / dx
 
 
 def largest_drift(relative_volume: np.ndarray, case: "Case") -> float:

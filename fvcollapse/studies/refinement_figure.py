@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 SHOWN = {  # words for the axis, and the factor to its unit
-    "cell_size": ("cell size (mm)", 1000.0),
+    "cell_size": ("root of the cell area (mm)", 1000.0),
     "time_step": ("mean time step (ms)", 1000.0),
     "shear_rate_min": ("shear_rate_min (1/s)", 1.0),
     "tolerance": ("tolerance", 1.0),

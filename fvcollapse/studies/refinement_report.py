@@ -22,8 +22,13 @@ LABELS = {
     "x_99": "x_99",
     "final_thickness": "final height",
     "peak_front_velocity": "peak front velocity",
-    "arrest_time": "arrest time",
+    "arrest_time": "time of arrest",
     PROFILE: "profile, L1 to the next finer",
+}
+HAD = {  # what the sizes of a record are, where they are not the values of the axis
+    "cell_size": "root of the cell area (m)",
+    "time_step": "mean step taken (s)",
+    "shear_rate_min": "shear rate (1/s)",
 }
 NUMBERS = ("order", "extrapolated", "relative_error", "extrapolated_error", "gci")
 ROLES = ("coarse", "medium", "fine")
@@ -67,7 +72,7 @@ def label(name: str, case: "Case") -> str:
 
 
 def csv_text(records: dict, axis: str) -> str:
-    """One line per observable and three neighbouring values, the finest three last."""
+    """One line per observable and three neighbouring values, the finest three last; sizes as in the picture."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     sizes = [f"{axis}_{role}" for role in ROLES]
@@ -77,11 +82,14 @@ def csv_text(records: dict, axis: str) -> str:
     for name, record in records.items():
         for n, triplet in enumerate(record["triplets"]):
             numbers = [triplet[number] for number in NUMBERS]
-            values = record["value"][n : n + 3]
-            writer.writerow(
-                [name, record["unit"], *triplet[axis], *values, triplet["behaviour"], *numbers]
-            )
+            used, values = sizes_of(record, axis)[n : n + 3], record["value"][n : n + 3]
+            writer.writerow([name, record["unit"], *used, *values, triplet["behaviour"], *numbers])
     return stream.getvalue()
+
+
+def sizes_of(record: dict, axis: str) -> list[float]:
+    """The sizes that the runs really had: root of the area of a cell, mean step; else the values of the axis."""
+    return record["refinement_size"] or record[axis]
 
 
 # -- the table -----------------------------------------------------------------------------------
@@ -91,6 +99,9 @@ def table(records: dict, axis: str, case: "Case") -> str:
     """Blocks of aligned text: the values, the convergence of every three neighbours, the fit to all; remarks."""
     values = next(iter(records.values()))[axis]
     rows = [[f"{axis} ({AXES[axis].unit})", *(f"{value:g}" for value in values), "spread"]]
+    used = sizes_of(next(iter(records.values())), axis)
+    if used != values:
+        rows.append([HAD[axis], *(f"{size:.4g}" for size in used), ""])
     outcomes = [["", axis, "behaviour", "order", "extrapolated", "e_a", "e_ext", "GCI"]]
     fits = [["all values, least squares", "series", "order", "extrapolated", "scatter", "U"]]
     for name, record in records.items():
@@ -110,6 +121,10 @@ def remarks(records: dict, axis: str, values: list[float]) -> Iterator[str]:
     if AXES[axis].size is None:
         yield "The tolerance is no refinement size: differences only."
         return
+    yield (
+        "e_a: difference of the two finest values, of the finest. e_ext: finest less extrapolated value, of the"
+        " latter. spread: largest difference of any value from the finest, of the finest."
+    )
     yield (
         f"GCI (Celik et al. 2008): 1.25 e_a / (r^p - 1), where p counts as {FORMAL_ORDER:g} at most."
     )

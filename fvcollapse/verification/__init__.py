@@ -99,10 +99,11 @@ def named(name: str) -> str:
     Raises
     ------
     InputError
-        One line with the closest name.
+        One line with the closest name, if one is close.
     """
     if name not in NAMES:
-        near = difflib.get_close_matches(name, NAMES, n=1, cutoff=0.0)[0]
-        allowed = f"a verification problem; the closest is {near}"
+        near = difflib.get_close_matches(name, NAMES, n=1)
+        closest = f"the closest is {near[0]}" if near else "`fvcollapse verify --list` has them"
+        allowed = f"a verification problem; {closest}"
         raise InputError("command line", "NAME", name, allowed)
     return name

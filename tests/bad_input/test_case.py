@@ -94,7 +94,7 @@ def test_missing_file(capsys):
 
 def test_folder_as_case(capsys):
     Path("folder.toml").mkdir()
-    assert "directory" in refused(capsys, "run", "folder.toml")["found"]
+    assert refused(capsys, "run", "folder.toml")["found"] == "a folder"
 
 
 def test_file_as_folder_of_the_case(capsys):

@@ -77,18 +77,20 @@ def test_study_of_the_cell_size(case_file, capsys):
 def test_table_of_all_triplets_and_figure(case_file, monkeypatch, capsys):
     monkeypatch.setattr(refinement_report, "draw_png", DRAW)
     assert converge(case_file, "--cell-size", *SIZES, "0.03") == 0
-    assert "all values, least squares" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "all values, least squares" in printed
+    assert "root of the cell area (m)" in printed
     out = case_file.parent / "out"
     fitted = records(case_file)["x_99"]["least_squares"]
     assert fitted["uncertainty"] > 0.0
     with (out / "converge.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["observable"] for row in rows] == [name for name in UNITS for _ in range(2)]
-    triplets = records(case_file)["x_99"]["triplets"]
-    for row, triplet in zip(rows[6:8], triplets, strict=True):
-        assert [float(row[f"cell_size_{role}"]) for role in ("coarse", "medium", "fine")] == (
-            triplet["cell_size"]
-        )
+    record = records(case_file)["x_99"]
+    triplets, had = record["triplets"], record["refinement_size"]
+    for n, (row, triplet) in enumerate(zip(rows[6:8], triplets, strict=True)):
+        sizes = [float(row[f"cell_size_{role}"]) for role in ("coarse", "medium", "fine")]
+        assert sizes == had[n : n + 3]  # of the grid, as in the picture
         assert row["order"] == str(triplet["order"] if triplet["order"] is not None else "")
     with Image.open(out / "converge.png") as image:
         assert len(np.unique(np.asarray(image.convert("L")))) > 10

@@ -261,10 +261,11 @@ def recalibrated_words(report: "Report") -> str:
 
 
 def closed(part: "Closed") -> str:
-    """Fraction of a gap that closed, with its range."""
-    return percent(part.fraction_closed) + (
-        f" ({span(part.interval, percent)})" if part.interval else ""
-    )
+    """Fraction of a gap that closed, with its range where that is one."""
+    value = percent(part.fraction_closed)
+    if not part.interval or all(percent(end) == value for end in part.interval):
+        return value
+    return f"{value} (90 % interval {span(part.interval, percent)})"
 
 
 # -- odd numbers, and what controls taught -------------------------------------------------------
