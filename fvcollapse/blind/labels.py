@@ -152,3 +152,5 @@ def refuse_bad_cases(path: str | Path, plan: Plan) -> None:
             for run, experiment in runs.items():
                 key = f"cases.{name}.label.{place}.{run}.case"
                 case_from_text(experiment["case"], f"{path}: {key}")
+                if "without" in experiment:
+                    case_from_text(experiment["without"], f"{path}: {key[:-4]}without")

@@ -3,9 +3,14 @@
 No closure of the catalogue is that of real grains: adhesion of wet grains, a dense packing or rubbing walls change a
 collapse where the closure says, and by more here and less there. In a part of the cases a run with hidden effects is
 therefore read with a smooth error (`outside.smooth_error`) in proportion to its response to them, the difference to
-the same run without them. (The best closures for adhesion and for a dense packing leave 35 and 70 % of the change of
-the thickness of particle columns, runs/particle_laboratory/closures.csv.) A diagnosis that takes what is left for a
-cause outside the catalogue is wrong.
+the same run without them. (The closures that come closest leave 27 and 70 % of the change of the thickness of particle
+columns by adhesion and by a dense packing, and make two other columns worse: runs/particle_laboratory/closures.csv.)
+A diagnosis that takes what is left for a cause outside the catalogue is wrong.
+
+Limits. The size of the error is one number for all profiles of a run and one for its front, wherever and whenever the
+response is large. The error goes on varying after the grains have come to rest, as that of a world does. What acts on
+the front alone (`front_saltation`) changes the profiles a little as well, since both are stretched. Unknown causes have
+no form, so that a large smooth error speaks for effects of the catalogue.
 """
 
 from typing import TYPE_CHECKING

@@ -1,9 +1,9 @@
 """How far apart the effects of a case are for its data, kept in a file so that no run is read again.
 
 With W the whitened responses at all levels of all closures, C(s) at the discrepancy s of the best hypothesis (at most
-the largest that an effect is compared with), the file holds W^T W. The response of a closure at any u is a sum of its
-levels with the weights of the emulator, so that every distance follows from these products, also the one at the
-parameters that were hidden.
+the largest that is taken for an error of the model where nothing acts), the file holds W^T W. The response of a
+closure at any u is a sum of its levels with the weights of the emulator, so that every distance follows from these
+products, also the one at the parameters that were hidden.
 """
 
 from collections.abc import Mapping

@@ -99,7 +99,7 @@ def fit(
     unseen = out_of_fold(table, classes, origins)
     sharpness = sharpness_of(unseen, table.truth, classes)
     scores = 1.0 - of_truth(softmax(sharpness * unseen), table.truth)
-    slopes, case_slopes, intercept = (sharpness * part for part in regression(table, classes))
+    slopes, case_slopes, intercept = regression(table, classes)
     return VerdictModel(
         effects=effects,
         classes=classes,
@@ -110,6 +110,7 @@ def fit(
         slopes=slopes,
         case_slopes=case_slopes,
         intercept=intercept,
+        sharpness=sharpness,
         calibration={name: np.sort(scores[truth == name]) for name in classes},
         solver=solver_of(effects),
         about={"cases": len(suite)} | (about or {}),

@@ -7,7 +7,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2
 
 from fvcollapse.diagnosis.closing import closing, gaps_of
-from fvcollapse.diagnosis.evidence import CHECK_PASSED
+from fvcollapse.diagnosis.evidence import CHECK_PASSED, LARGEST
 from fvcollapse.diagnosis.ladder import fold_fractions, fold_remainders
 from fvcollapse.diagnosis.names import EFFECT, NAMED, RECALIBRATED, RUNNER_UP, WINNER
 
@@ -150,7 +150,7 @@ def predictive_check(analysis: "Analysis", ladder: "Ladder", hypothesis: "Hypoth
     covariance = ladder.fitted.covariance
     if not analysis.controls:
         covariance = covariance + analysis.library.set_up_covariance[own, own]
-    covariance = covariance + hypothesis.sigma**2 * analysis.kernel
+    covariance = covariance + min(hypothesis.sigma, LARGEST) ** 2 * analysis.kernel
     counted = (analysis.points.kind == "value") | (gap != 0.0)
     factor = cho_factor(covariance[np.ix_(counted, counted)], lower=True, check_finite=False)
     square = gap[counted] @ cho_solve(factor, gap[counted], check_finite=False)

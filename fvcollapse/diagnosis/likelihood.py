@@ -78,7 +78,7 @@ class Whitened:
         products = white.T @ white
         square, met, spread = products[0, 0], products[0, 1:], products[1:, 1:]
         square -= met @ np.linalg.solve(np.eye(len(met)) + spread, met)
-        return float(chdtrc(len(rows), square))
+        return float(chdtrc(len(rows), max(square, 0.0)))  # round-off can make it negative
 
     def basis(self) -> np.ndarray:
         """Orthonormal basis of the whitened columns; computed once."""

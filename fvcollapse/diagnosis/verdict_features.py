@@ -1,7 +1,7 @@
 """What the verdict layer sees of an evidence: features of every hypothesis, of the case, and known odds.
 
 Two things are no features but odds of their own, known before any fit: what the profiles' own `mass_balance`
-says, and how far something unknown is ahead of all else.
+says, and whether anything asks for an explanation.
 """
 
 from collections.abc import Sequence
@@ -122,19 +122,15 @@ def class_of(cause: str) -> str:
 def known_logits(evidence: "Evidence", classes: Sequence[str]) -> np.ndarray:
     """Logarithms (K,) of odds of the classes that need no fit.
 
-    Those that they give to the mass balance of the profiles, of two effects the mean odds; and, where the evidence of
-    something unknown is ahead of all others, by how much: tempered, for no case of the catalogue among
-    159 of a sealed suite was so, and 23 of 41 others. Where no region of the gap is significant, nor all points taken
-    together, nothing asks for something unknown.
+    Those that they give to the mass balance of the profiles, of two effects the mean odds. Where no region of the gap
+    is significant, nor all points taken together, nothing asks for something unknown.
     """
     odds = np.array([balance_logit(evidence, name) for name in classes])
     if SEVERAL in classes and (pairs := [name for name in evidence.hypotheses if "+" in name]):
         logits = [balance_logit(evidence, name) for name in pairs]
         odds[classes.index(SEVERAL)] = logsumexp(logits) - np.log(len(pairs))
-    if UNKNOWN in classes:
-        logs = evidence.log_evidence()
-        ahead = logs[UNKNOWN] - max(value for name, value in logs.items() if name != UNKNOWN)
-        odds[classes.index(UNKNOWN)] += max(ahead, 0.0) / TEMPERATURE if asks(evidence) else -QUIET
+    if UNKNOWN in classes and not asks(evidence):
+        odds[classes.index(UNKNOWN)] -= QUIET
     return odds
 
 

@@ -31,7 +31,7 @@ from fvcollapse.output.fingerprint import solver_version
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.evidence import Evidence
 
-FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 4
+FORMAT, FORMAT_VERSION = "fvcollapse-verdict", 5
 # of diagnoses without controls, and with them
 SHIPPED = Path(__file__).with_name("verdict_model.json")
 SHIPPED_CONTROLS = Path(__file__).with_name("verdict_model_controls.json")
@@ -58,6 +58,8 @@ class VerdictModel:
     case_mean, case_scale : (q,) arrays
         The same of a case.
     slopes, case_slopes, intercept : (K, p), (K, q), (K,) arrays
+    sharpness : float
+        Factor on all logits: a fit is surer of the cases that it has seen than it may be of others.
     calibration : dict
         Class -> sorted non-conformities 1 - p of its cases, each judged by a model that had not seen it.
     solver : str
@@ -75,6 +77,7 @@ class VerdictModel:
     slopes: np.ndarray
     case_slopes: np.ndarray
     intercept: np.ndarray
+    sharpness: float
     calibration: dict[str, np.ndarray]
     solver: str = ""
     about: dict[str, Any] = field(default_factory=dict)
@@ -127,9 +130,8 @@ class VerdictModel:
             standardised(case, self.case_mean, self.case_scale),
         )
         offset = known_logits(evidence, self.classes)
-        shares = softmax(
-            logits(*table, offset, compared, (self.slopes, self.case_slopes, self.intercept))
-        )
+        fitted = (self.slopes, self.case_slopes, self.intercept)
+        shares = softmax(self.sharpness * logits(*table, offset, compared, fitted))
         pairs = zip(self.classes, shares.tolist(), compared, strict=True)
         return {name: share for name, share, rows in pairs if rows}
 
@@ -216,6 +218,7 @@ def to_json(model: VerdictModel) -> str:
         "features": list(FEATURES),
         "case_features": list(CASE_FEATURES),
         **{name: rounded(getattr(model, name)) for name in ARRAYS},
+        "sharpness": rounded(model.sharpness),
         "calibration": {name: rounded(scores) for name, scores in model.calibration.items()},
     }
     return json.dumps(content | {"hash": digest(content)}, indent=1) + "\n"
@@ -240,6 +243,7 @@ def from_json(text: str, source: str | Path) -> VerdictModel:
             effects=tuple(content["effects"]),
             classes=tuple(content["classes"]),
             **{name: np.array(content[name]) for name in ARRAYS},
+            sharpness=float(content["sharpness"]),
             calibration={name: np.array(scores) for name, scores in content["calibration"].items()},
             solver=content["solver"],
             about=content["about"],
