@@ -90,6 +90,11 @@ def strong(scores):
     return percent(scores["by_laboratory"]["strength"]["strong"]["top_1"])
 
 
+def of_closure(kind):
+    """Reader of the share of right first names of effects that act by a kind of closure."""
+    return lambda scores: percent(scores["by_laboratory"]["closure"][kind]["top_1"])
+
+
 def simpler(scores):
     """First name right with simpler methods."""
     methods = ("answers_nearest_signature", "answers_chi_square_ranking", "always_none")
@@ -102,6 +107,8 @@ NAMING = (
     ("right name first, all single effects", first_of("single"), "82 %; 75 %"),
     ("right name first, all cases", lambda scores: percent(scores["all"]["top_1"]), "82 %; 78 %"),
     ("the same in strong worlds", strong, ""),
+    ("the same of effects by a closure of the catalogue", of_closure("catalogue"), ""),
+    ("the same of effects by another closure", of_closure("another"), ""),
     ("right name among the first two", lambda scores: percent(scores["all"]["top_2"]), ""),
     ("two effects, both with d ≥ 3: both named", first_of("separable_pairs"), "60 %"),
     (
