@@ -96,9 +96,7 @@ def fit(
         ~np.isnan(own[:, :, 0]),
         np.array([classes.index(name) for name in truth]),
     )
-    unseen = out_of_fold(table, classes, origins)
-    sharpness = sharpness_of(unseen, table.truth, classes)
-    scores = 1.0 - of_truth(softmax(sharpness * unseen), table.truth)
+    sharpness, scores = calibrated(table, classes, origins)
     slopes, case_slopes, intercept = regression(table, classes)
     return VerdictModel(
         effects=effects,
@@ -196,6 +194,15 @@ def regression(table: Table, classes: Sequence[str]) -> tuple[np.ndarray, np.nda
     found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": 2000})
     shared, own, case, intercept = unpacked(found.x)
     return effect * shared + own, case, intercept
+
+
+def calibrated(
+    table: Table, classes: Sequence[str], origins: Sequence[Origin] | None
+) -> tuple[float, np.ndarray]:
+    """(factor on the logits, non-conformities 1 - p of the true classes (m,)), of cases left out of the fit."""
+    unseen = out_of_fold(table, classes, origins)
+    sharpness = sharpness_of(unseen, table.truth, classes)
+    return sharpness, 1.0 - of_truth(softmax(sharpness * unseen), table.truth)
 
 
 def out_of_fold(
