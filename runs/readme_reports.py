@@ -13,6 +13,7 @@ from runs.table import RUNS, read_table
 
 EXAMPLE = Path("example")
 TEXT_WIDTH = 118
+LATER = ("Where:", "Next:")  # parts of an answer that the README leaves out
 NOT_ASKED = ("not asked yet", "–", "–", "–", "–")
 
 
@@ -104,7 +105,8 @@ def mean_gap(rows, walls, factor, name, span):
 
 
 def diagnosis_example():
-    """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it."""
+    """The answer of a stored diagnosis, as `fvcollapse diagnose` prints it, but for where and what next."""
     report = read_report(RUNS / EXAMPLE)
-    lines = [wrapped(line, TEXT_WIDTH) for line in (headline(report), *answer(report))]
+    shown = [line for line in answer(report) if not line.startswith(LATER)]
+    lines = [wrapped(line, TEXT_WIDTH) for line in (headline(report), *shown)]
     return "\n".join(["```text", *lines, "```\n"])
