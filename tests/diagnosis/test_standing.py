@@ -267,6 +267,20 @@ def test_a_cause_whose_hypotheses_share_it_is_not_called_unknown():
     assert sentences.headline(confirmed) == "Most likely cause: lateral friction (57 %), confirmed"
 
 
+def test_a_cause_that_closes_nothing_is_said_to_close_nothing():
+    probability = spread(front_saltation=0.45)
+    report = report_with(probability, {WINNER: (["front_saltation"], -0.09)}, where=True)
+    told = sentences.headline(report)
+    assert told.startswith("The data lean towards front saltation (45 %)")
+    assert told.endswith(", but with it none of the gap closes")
+
+
+def test_two_effects_close_and_one_closes():
+    for effects, verb in ((["dilatancy", "gate"], "close"), (["gate"], "closes")):
+        report = report_with(spread(unknown=0.84), {WINNER: (effects, 1.0)}, where=True)
+        assert f" {verb} 100 % of the gap" in sentences.headline(report)
+
+
 def test_nothing_is_needed_only_where_nothing_is_left():
     probability = spread(none=0.22, unknown=0.216)
     left, gone = (report_with(probability, where=where) for where in (True, False))

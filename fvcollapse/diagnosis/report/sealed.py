@@ -63,13 +63,13 @@ def right_words(report: "Report") -> str:
     own = scores.controls if has_controls else scores.alone
     kind = "with" if has_controls else "without"
     text = (
-        f"in {own.cases} sealed cases {kind} controls {percent(own.first_right)} of first names were right, "
-        f"{percent(own.confident_errors)} wrong although above 90 %"
+        f"in {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}, "
+        f"and wrong with a probability above 90 % in {percent(own.confident_errors)}"
     )
     if has_controls:
         return f"{text}."
-    other = scores.controls
-    return f"{text}; with controls {percent(other.first_right)} and {percent(other.confident_errors)}: bring controls."
+    right, wrong = scores.controls.first_right, scores.controls.confident_errors
+    return f"{text} (with controls in {percent(right)} and {percent(wrong)}: bring controls)."
 
 
 def gain_words() -> str:

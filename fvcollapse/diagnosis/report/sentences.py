@@ -12,6 +12,7 @@ from fvcollapse.diagnosis.report.standing import (
     NOTHING,
     OPEN,
     UNEXPLAINED,
+    closed_with,
     standing,
     supports,
     without,
@@ -123,7 +124,11 @@ def doubt(report: "Report", cause: str, best: "Best | None") -> str:
     if cause == UNKNOWN:
         if best is None or best.fitted <= HALF:
             return ", but it is not sure"
-        return f", but {joined(best.effects)} closes {percent(best.fitted)} of the gap"
+        verb = "closes" if len(best.effects) == 1 else "close"
+        return f", but {joined(best.effects)} {verb} {percent(best.fitted)} of the gap"
+    closed = closed_with(report, cause)
+    if closed is not None and closed <= 0.0:
+        return ", but with it none of the gap closes"
     return ", but it is not sure" if supports(report, cause) else ", but it is not confirmed"
 
 

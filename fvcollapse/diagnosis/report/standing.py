@@ -169,6 +169,16 @@ def best_model(report: "Report") -> Best | None:
     )
 
 
+def closed_with(report: "Report", cause: str) -> float | None:
+    """Largest fraction of the fitted gap that a model with a cause closes; None where none was run."""
+    fractions = [
+        rung.fitted.fraction_closed
+        for rung in report.details.ladder
+        if cause in rung.effects and rung.fitted.fraction_closed is not None
+    ]
+    return max(fractions, default=None)
+
+
 def explains(report: "Report") -> bool:
     """Whether a model that was run closes more than half of the gap, with an effect or re-calibrated alone."""
     fractions = [
