@@ -489,8 +489,8 @@ def test_what_is_left_unexplained_is_on_the_page_and_in_the_answer(report, page,
     assert "thickness 0.43 cm (3.2 sd)" in line
     first, second = (words.hypothesis_name(name) for name in EFFECTS[:2])
     against = "2.1 times as strong as is plausible, front position would fit worse"
-    alike = f"{first} (0.83, {against}) and {second} with its sign turned round (\N{MINUS SIGN}0.4)"
-    assert f"Alike in form (cosine): {alike}." in line
+    alike = f"{first} (0.83, {against}) and {second} acting the other way (0.4)"
+    assert f"Its form is like that of (1 is the same form) {alike}." in line
     assert place in told.text[: told.text.index("Which effect causes it")]
     chapter = told.text[told.text.index("What is left unexplained") :]
     assert "thin part deposit 60 % move too easily" in chapter

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from fvcollapse.diagnosis.report.sealed import gain_words, sealed_scores
-from fvcollapse.diagnosis.report.words import hypotheses_listed, tenths
+from fvcollapse.diagnosis.report.sealed import sealed_scores, worth_words
+from fvcollapse.diagnosis.report.words import hypotheses_listed
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import NextExperiment, Report
@@ -37,13 +37,10 @@ def next_words(report: "Report") -> list[str]:
     if not alike:
         return []
     separated = dict.fromkeys(name for one in alike for name in one.separates)
-    gains = [one.expected_gain for one in alike]
-    low, high = tenths(min(gains)), tenths(max(gains))
-    size = high if low == high else f"{low} to {high}"
     return [
         f"{choice_words(alike)}.",
         f"To separate: {hypotheses_listed(separated)}.",
-        f"Do not rely on the expected gain ({size} {alike[0].units}): {gain_words()}.",
+        worth_words(),
     ]
 
 

@@ -63,8 +63,8 @@ def right_words(report: "Report") -> str:
     own = scores.controls if has_controls else scores.alone
     kind = "with" if has_controls else "without"
     text = (
-        f"in {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}, "
-        f"and wrong with a probability above 90 % in {percent(own.confident_errors)}"
+        f"in {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}; "
+        f"wrong answers that claimed more than 90 % were {percent(own.confident_errors)} of all"
     )
     if has_controls:
         return f"{text}."
@@ -75,8 +75,20 @@ def right_words(report: "Report") -> str:
 def gain_words() -> str:
     """What became of expected gains, as the end of a sentence."""
     scores = sealed_scores().next
-    better = "more than" if scores.ahead[0] > 0.0 else "not measurably more than"
     return (
         f"in {scores.cases} sealed cases the plan expected {number(scores.expected, 2)} bit and "
-        f"{number(scores.gained, 1)} bit came, {better} of an experiment drawn at random"
+        f"{number(scores.gained, 1)} bit came, {more_than_chance()} of an experiment drawn at random"
     )
+
+
+def worth_words() -> str:
+    """What recommended experiments told, beside others, one sentence."""
+    return (
+        f"In {sealed_scores().next.cases} sealed cases a recommended experiment told {more_than_chance()} one drawn "
+        "at random."
+    )
+
+
+def more_than_chance() -> str:
+    """Whether recommended experiments told more than others."""
+    return "more than" if sealed_scores().next.ahead[0] > 0.0 else "not measurably more than"

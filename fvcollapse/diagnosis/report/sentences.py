@@ -13,6 +13,7 @@ from fvcollapse.diagnosis.report.standing import (
     OPEN,
     UNEXPLAINED,
     closed_with,
+    is_left,
     standing,
     supports,
     without,
@@ -235,10 +236,14 @@ def closed_words(report: "Report") -> str:
     """How much of the gap closes with the cause really added to the solver."""
     state, causes, _, best = standing(report)
     reduction = report.reduction
+    if state == OPEN and not is_left(report):
+        return "no gap is significant, so that no share of it can be given."
     if reduction is not None and set(causes) & set(report.verdict.effects):
+        overall = reduction.fitted.overall
+        better = "" if overall.fraction_closed > 0.0 else "the fit is no better: "
         text = (
             f"with {joined(report.verdict.effects)} really added to the solver and the model re-calibrated, "
-            f"{closed(reduction.fitted.overall)} of the gap closes in the experiments that were fitted"
+            f"{better}{closed(overall)} of the gap closes in the experiments that were fitted"
         )
         if reduction.held_out is not None:
             text += f" and {closed(reduction.held_out.overall)} in those that were held out"
@@ -258,10 +263,9 @@ def closed_words(report: "Report") -> str:
 def recalibrated_words(report: "Report") -> str:
     """What a re-calibration without any effect closes; empty where it was not run."""
     for rung in report.details.ladder:
-        if rung.model == RECALIBRATED and rung.fitted.fraction_closed is not None:
-            return (
-                f" Re-calibration without any effect closes {percent(rung.fitted.fraction_closed)}."
-            )
+        share = rung.fitted.fraction_closed
+        if rung.model == RECALIBRATED and share is not None:
+            return f" Re-calibration without any effect closes {percent(share)}."
     return ""
 
 

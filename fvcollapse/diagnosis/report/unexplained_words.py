@@ -202,7 +202,7 @@ def likeness_words(one: "form.Likeness") -> str:
     """How an effect resembles the remainder, and what speaks against it."""
     name = hypothesis_name(one.effect)
     if one.cosine < 0.0:
-        return f"{name} with its sign turned round ({number(one.cosine, 2)})"
+        return f"{name} acting the other way ({number(abs(one.cosine), 2)})"
     against = []
     if one.strength > 1.0:
         against.append(f"{number(one.strength, 2)} times as strong as is plausible")
@@ -227,7 +227,7 @@ def unexplained_words(part: "form.Unexplained | None") -> str:
     texts.append(f"Worth looking for: {stress_words(part)}.")
     if part.resembles:
         alike = listed(likeness_words(one) for one in part.resembles)
-        texts.append(f"Alike in form (cosine): {alike}.")
+        texts.append(f"Its form is like that of (1 is the same form) {alike}.")
     else:
         texts.append("No effect of the catalogue has its form.")
     return " ".join(texts)
