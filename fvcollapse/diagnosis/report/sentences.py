@@ -45,12 +45,10 @@ class Answer(NamedTuple):
 
     Attributes
     ----------
-    cause, certainty, closed : str
-        Which cause, how sure, how much of the gap it closes.
+    cause, certainty, closed, unexplained : str
+        Which cause, how sure, how much of the gap it closes, what no hypothesis explains (may be empty).
     where : list of str
         Where the gap lies, how large it is in practice, and what is wrong with the measured profiles.
-    unexplained : str
-        What no hypothesis explains; empty where nothing is left.
     following : list of str
         What to measure next, and what such a plan was worth; empty where nothing is left to separate.
     odd : str
