@@ -56,7 +56,7 @@ class Grid(Section):
         float,
         key(
             "m",
-            "cell size along the bed, fitted so that the gate is a grid line; at most a quarter of the height",
+            "along the bed, adjusted to have the gate on a grid line; <= height/4",
             ge=1e-9,
             le=1000,
         ),
