@@ -121,7 +121,7 @@ def test_bench_says_what_it_will_take(monkeypatch, capsys):
     monkeypatch.setattr(bench, "compile_times", stop)
     assert main(["bench", "22deg_w10cm_12mm"]) == 2
     first, last = capsys.readouterr().err.splitlines()
-    assert re.match(r"1 case, about \d+ (s|min); where nothing is compiled yet", first)
+    assert re.match(r"1 case, about \d+ min; where nothing is compiled yet", first)
     assert last.startswith("bench: stop")
     whole = bench.cost(bench.cases(), all_of_them=True)
     assert re.match(r"12 cases, about \d+ min;", whole)

@@ -150,7 +150,9 @@ def refuse_bad_cases(path: str | Path, plan: Plan) -> None:
         places["world.controls"] = entry["label"]["world"]["controls"]
         for place, runs in places.items():
             for run, experiment in runs.items():
-                key = f"cases.{name}.label.{place}.{run}.case"
-                case_from_text(experiment["case"], f"{path}: {key}")
+                texts = {"case": experiment["case"]}
                 if "without" in experiment:
-                    case_from_text(experiment["without"], f"{path}: {key[:-4]}without")
+                    texts["without"] = experiment["without"]
+                for part, text in texts.items():
+                    key = f"cases.{name}.label.{place}.{run}.{part}"
+                    case_from_text(text, f"{path}: {key}")

@@ -41,17 +41,22 @@ class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
             raise ValueError("as many phases as waves")
 
 
-class SmoothError(msgspec.Struct, tag_field="kind", tag="smooth_error"):
-    """See `outside.smooth_error`."""
+class Pattern(msgspec.Struct):
+    """Waves along the bed and in time, each with its phase."""
 
-    height: Share
-    reach: Share
     waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
     phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
 
     def __post_init__(self) -> None:
         if len(self.waves) != len(self.phases):
             raise ValueError("as many phases as waves")
+
+
+class SmoothError(Pattern, tag_field="kind", tag="smooth_error"):
+    """See `outside.smooth_error`."""
+
+    height: Share
+    reach: Share
 
 
 class Magnification(msgspec.Struct, tag_field="kind", tag="magnification"):
@@ -76,16 +81,10 @@ class FallenGrains(msgspec.Struct, tag_field="kind", tag="fallen_grains"):
     """See `outside.fallen_grains`."""
 
 
-class Form(msgspec.Struct):
+class Form(Pattern):
     """See `other_closure.draw_form`."""
 
     share: Share
-    waves: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=1, max_length=1000)]
-    phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
-
-    def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
 
 
 class Run(msgspec.Struct):

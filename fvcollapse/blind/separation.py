@@ -13,7 +13,7 @@ import numpy as np
 
 from fvcollapse.blind.plain_values import Drawn, Levels, Separation
 from fvcollapse.diagnosis.emulator import Kriging
-from fvcollapse.diagnosis.quadrature import DISCREPANCIES
+from fvcollapse.diagnosis.evidence import LARGEST
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.analysis import Analysis
@@ -30,7 +30,7 @@ def separation_of(analysis: "Analysis") -> Separation:
         `closures` {effect: [{"levels": (m, d), "columns": (m,)}]}, and `products` (n, n) of all columns.
     """
     comparison = analysis.comparison
-    sigma = min(analysis.evidence.best.sigma, DISCREPANCIES[-1])
+    sigma = min(analysis.evidence.best.sigma, LARGEST)
     white = comparison.whitened[sigma]
     closures: dict[str, list[Levels]] = {}
     columns: list[int] = []

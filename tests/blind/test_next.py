@@ -88,7 +88,7 @@ def test_a_plan_recommends_what_the_diagnosis_ranks_first(laboratory):
     )
     parts = {part for name in plan["leading"] for part in name.split("+")}
     assert {"cohesion"} <= parts <= {*OPTIONS["effects"], "none"}
-    assert 2 <= len(plan["leading"]) <= 3
+    assert len(plan["leading"]) == 2
     assert sum(plan["first"]["probability"].values()) == pytest.approx(1.0)
 
 
