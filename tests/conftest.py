@@ -9,6 +9,22 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 # one process for each core: more threads only wait for each other, and move the last digit
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
+# of two workers each compiles the half of the kernels that the other reaches last
+WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
+if WORKER:
+    os.environ["FVCOLLAPSE_COMPILED_HALF"] = "second" if int(WORKER[2:]) % 2 else "first"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels():
+    """Where two workers find no kernels on the disk, one begins with the half that the other reaches last."""
+    if os.environ.get("FVCOLLAPSE_COMPILED_HALF") == "second":
+        from fvcollapse.case.case import Case
+        from fvcollapse.output.compilation import share_compilation
+
+        for effects in ({}, {"effects.thin_layer.length": 1.0}):
+            share_compilation(Case().replace(**effects))
+
 
 # Derandomised: a test that fails on one machine fails on all. No deadline: compilation is slow.
 hypothesis.settings.register_profile("fvcollapse", derandomize=True, deadline=None)

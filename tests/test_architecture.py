@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from parsed_code import PACKAGE, files_in, tree_of
 
+from fvcollapse.files.kernel_cache import KernelCache
 from fvcollapse.step import geometry, unknowns
-from fvcollapse.step.compiled import KernelCache
 
 # The data flow, which is the import rule: a line may import only from lines above it.
 LAYERS = (

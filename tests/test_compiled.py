@@ -15,8 +15,8 @@ from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
 
 import fvcollapse
+from fvcollapse.files.kernel_cache import KernelCache
 from fvcollapse.step import arrays, geometry, stencils
-from fvcollapse.step.compiled import KernelCache
 
 PROGRAM = """
 import sys

@@ -33,7 +33,7 @@ STARTED = "start from t = 0"
 @pytest.fixture
 def calls(tmp_path):
     """Three runs of some seconds each."""
-    case = Case().replace(**{"grid.cell_size": 0.014, "time.end": 0.8})
+    case = Case().replace(**{"grid.cell_size": 0.005, "time.end": 1.2})
     slopes = (0, 10, 20)
     cases = {f"{n}": case.replace(**{"geometry.slope_angle_deg": n}) for n in slopes}
     return {name: (case, tmp_path / "runs" / name) for name, case in cases.items()}
@@ -63,9 +63,11 @@ def scheduler(tmp_path):
             program.wait()
 
 
-def wait_for(condition, limit=900.0):  # on a busy machine compilation takes minutes
+def wait_for(condition, limit=900.0, alive=lambda: True):
+    """Wait until a condition holds, while what makes it hold is alive: on a busy machine compilation takes minutes."""
     end = time.monotonic() + limit
     while not condition():
+        assert alive(), "what was to be killed in its midst has ended before"
         assert time.monotonic() < end
         time.sleep(0.02)
 
@@ -87,17 +89,20 @@ def marching(calls):
 
 def run_and_kill(calls, victim, **options):
     """Run all; kill `victim(folder)` once a run is in its midst. Return outcomes and that folder."""
-    found, killed = {}, []
+    found, killed, ended = {}, [], threading.Event()
 
     def kill():
-        wait_for(lambda: marching(calls))
+        wait_for(lambda: marching(calls), alive=lambda: not ended.is_set())
         killed.append(marching(calls)[0])
         victim(killed[0])
 
     killer = threading.Thread(target=kill)
     killer.start()
-    run_all(run_with_many_checkpoints, calls, found.__setitem__, **options)
-    killer.join()
+    try:
+        run_all(run_with_many_checkpoints, calls, found.__setitem__, **options)
+    finally:
+        ended.set()
+        killer.join()
     return found, killed[0]
 
 
@@ -172,7 +177,9 @@ def test_cache_filled_by_two_processes_one_of_which_is_killed(calls, tmp_path):
     fillers = [context.Process(target=fill_cache, args=(folder, cases)) for _ in range(2)]
     fillers[0].start()
     first = runs.place(cases["0"]) / "run"
-    wait_for(lambda: re.search(r"checkpoint at t = 0\.0*[1-9]", log(first)))
+    wait_for(
+        lambda: re.search(r"checkpoint at t = 0\.0*[1-9]", log(first)), alive=fillers[0].is_alive
+    )
     fillers[1].start()  # waits for the first run, or is still on its way there
     time.sleep(1.0)
     fillers[0].kill()

@@ -47,7 +47,11 @@ ROOTS = (
     ("measure.observables", "observe"),
 )
 EFFECT_TABLES = ("CATALOGUE",)
-OUTSIDE = ("errors", "files.hdf5")  # modules that give no numbers: their names are not followed
+OUTSIDE = (
+    "errors",
+    "files.hdf5",
+    "files.kernel_cache",
+)  # modules that give no numbers: their names are not followed
 CASE_FILE = ("to_toml", "replace")  # methods of a section that read and write case files
 PROSE = ("key", "Prior")  # calls that describe a value
 VIEWS = ("plot", "to_xarray", "_repr_html_", "__repr__")

@@ -22,9 +22,10 @@ from fvcollapse.errors import (
     failures_named,
 )
 from fvcollapse.files.hdf5 import build_image
+from fvcollapse.files.kernel_cache import not_kept
 from fvcollapse.files.targets import make_folder
 from fvcollapse.output.checkpoint import checkpoint_image, write_header
-from fvcollapse.output.compilation import tell_compilation
+from fvcollapse.output.compilation import prepare_kernels
 from fvcollapse.output.keeper import Keeper
 from fvcollapse.output.meshes import write_meshes
 from fvcollapse.output.recorder import SAME_TIME, Recorder, schedule
@@ -44,7 +45,6 @@ from fvcollapse.output.run_log import log_start, run_log, tell_once
 from fvcollapse.output.stepping import Pace, steps_towards, trust_of_record
 from fvcollapse.output.trust import COMPLETE, RUNNING
 from fvcollapse.simulation import Simulation
-from fvcollapse.step.compiled import not_kept
 
 if TYPE_CHECKING:
     from fvcollapse.output.checkpoint import Checkpoint
@@ -85,7 +85,7 @@ def run(case: Case, folder: str | Path | None = None, quiet: bool = True) -> Res
     """
     if folder is not None:
         return run_case(case, folder, holds_run(case, Path(folder)), quiet=quiet)
-    tell_compilation(quiet)
+    prepare_kernels(case, quiet)
     with failures_named(), progress_bar(case, 0.0, quiet) as bar:
         job = Job(case)
         job.march(bar)
@@ -148,7 +148,7 @@ def run_case(
         if stored is not None and stored.state.time > case.time.end + SAME_TIME:
             reached = f">= {stored.state.time:g}, the time already reached"
             raise InputError(folder / CHECKPOINT, "time.end", f"{case.time.end:g}", reached)
-        tell_compilation(quiet, log)
+        prepare_kernels(case, quiet, log)
         make = partial(Job, simulate=simulate)
         keeper = begun(case, folder, log, stored, make, checkpoint_interval)
         keeper.save(RUNNING)

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fvcollapse.output.compilation import tell_compilation
+from fvcollapse.output.compilation import prepare_kernels
 from fvcollapse.output.run import Job, begun, march_on
 from fvcollapse.output.run_folder import ready, tidy, usable_checkpoint
 from fvcollapse.output.run_log import run_log
@@ -44,7 +44,7 @@ def run_without_result(case: "Case", folder: Path, keep: Callable, quiet: bool =
     with run_log(folder) as log:
         tidy(folder)
         stored = usable_checkpoint(folder, log) if ready(case, folder, False, True) else None
-        tell_compilation(quiet)
+        prepare_kernels(case, quiet)
         keeper = begun(case, folder, log, stored, partial(Job, fields=False))
         keeper.keep = keep
         march_on(keeper, quiet)

@@ -27,6 +27,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from fvcollapse.console.interruption import leave_to_parent
+from fvcollapse.output.compilation import HALF
 
 TO_SAVE = 30.0  # s that a run has to finish its step and save; a second signal stops it at once
 TO_END = 5.0  # s that a process without a call has to end
@@ -78,7 +79,7 @@ class ProcessPool(Executor):
         with self.lock:
             if self.stopping:
                 raise BrokenExecutor("the pool is stopped")
-            worker = Worker()
+            worker = Worker("second" if len(self.workers) % 2 else "first")
             self.workers.append(worker)
             return worker
 
@@ -121,12 +122,15 @@ RETURNED, RAISED = "returned", "raised"
 
 
 class Worker:
-    """A process that makes one call after the other, seen from here."""
+    """A process that makes one call after the other, seen from here.
 
-    def __init__(self) -> None:
+    `half` says which half of the kernels it compiles first (`output.compilation.HALF`).
+    """
+
+    def __init__(self, half: str) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, there = context.Pipe()
-        self.process = context.Process(target=work, args=(there,))
+        self.process = context.Process(target=work, args=(there, half))
         with blocked(NOT_TO_WORKERS):
             self.process.start()
         there.close()  # the death of the process is the end of the pipe
@@ -154,9 +158,10 @@ class Worker:
             self.connection.send_bytes(b"")
 
 
-def work(connection: Any) -> None:
-    """Make the calls that come through a pipe until it ends, or until this process is told to stop."""
+def work(connection: Any, half: str) -> None:
+    """Make the calls that come through a pipe until it ends, or until this process is told to stop; see `Worker`."""
     begin_worker()
+    os.environ[HALF] = half
     while True:
         try:
             data = connection.recv_bytes()
