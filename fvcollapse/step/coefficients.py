@@ -10,7 +10,7 @@ from .coulomb_walls import back_wall_friction, bed_friction
 from .gate import gate_friction
 from .grain_response import (
     ResponseWork,
-    add_extra_friction,
+    add_dilating_friction,
     allocate_response,
     relax_late,
     respond,
@@ -106,6 +106,28 @@ def answer_beforehand(
 @inner_jit()
 def stress_coefficients(work, pressure_filled, geometry, material, response):
     """Viscosity of cells and nodes, the extra friction of the effects included."""
+    if response is None:
+        viscosity_with(work, pressure_filled, geometry, material, 0.0, None)
+    elif response.dilatancy.factor > 0.0:
+        viscosity_with(work, pressure_filled, geometry, material, adhesion_of(response), None)
+        add_dilating_friction(
+            work.weight_centre,
+            work.weight_node,
+            work.response.extra_friction,
+            work.e_centre,
+            work.g_node,
+            pressure_filled,
+            geometry,
+            material,
+        )
+    else:
+        friction = work.response.extra_friction
+        viscosity_with(work, pressure_filled, geometry, material, adhesion_of(response), friction)
+
+
+@inner_jit()
+def viscosity_with(work, pressure_filled, geometry, material, adhesion, friction):
+    """`viscosity_weights` of the present strain rates, into `work`."""
     viscosity_weights(
         work.weight_centre,
         work.weight_node,
@@ -114,18 +136,8 @@ def stress_coefficients(work, pressure_filled, geometry, material, response):
         pressure_filled,
         geometry,
         material,
-        adhesion_of(response),
-    )
-    add_extra_friction(
-        response,
-        work.weight_centre,
-        work.weight_node,
-        work.response.extra_friction,
-        work.e_centre,
-        work.g_node,
-        pressure_filled,
-        geometry,
-        material,
+        adhesion,
+        friction,
     )
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .adhesion import adhesion_law, adhesion_of, opening_power
+from .adhesion import adhesion_law, opening_power
 from .arrays import copy
 from .compiled import inner_jit, kernel_jit
 from .dilatancy import FULL_SWEEPS, Dilatancy, dilatancy_law, dilate, dilation_power
@@ -26,7 +26,7 @@ from .rheology import ETA_FLOOR
 from .shear_planes import sum_of_cells
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 from .thin_layer import ThinLayer, strengthen, thin_layer_law
-from .viscous import pressure_at_node
+from .viscous import friction_at_node
 
 
 class Response(NamedTuple):
@@ -168,53 +168,41 @@ def respond(
 
 
 @inner_jit()
-def add_extra_friction(
-    response,
+def add_dilating_friction(
     weight_centre,
     weight_node,
-    extra_friction,
+    friction,
     e_centre,
     g_node,
     pressure_filled,
     geometry,
     material,
 ):
-    """Add the extra friction to the viscosity of cells and nodes; at nodes the mean of the cells.
+    """Add the extra friction of dilating grains to the viscosity of cells and nodes; at nodes the mean of the cells.
 
-    At a node the pressure of its plane acts (`shear_planes`), but that of the cells where grains dilate: their source
+    At a node the mean pressure of its cells acts, not that of its plane (`viscous.viscosity_weights`): their source
     takes from every cell what friction pays there.
 
     Parameters
     ----------
-    response : Response or None
-        Without it there is none.
     weight_centre, weight_node : (nx, nz), (nx + 1, nz + 1) arrays
         Filled fraction times viscosity, from `viscosity_weights`; changed in place, Pa s.
-    extra_friction : (nx, nz) array
+    friction : (nx, nz) array
     """
-    if response is None:
-        return
-    dilating = response.dilatancy.factor > 0.0
     filled = geometry.filled
     for i in range(filled.shape[0]):
         for k in range(geometry.reach[i]):
             v = filled[i, k]
             if v > WET:
                 rate = shear_rate_centre(e_centre, g_node, i, k)
-                extra = max(pressure_filled[i, k], 0.0) * extra_friction[i, k]
+                extra = max(pressure_filled[i, k], 0.0) * friction[i, k]
                 extra /= (rate**2 + material.shear_rate_min**2) ** 0.5
                 weight_centre[i, k] = max(weight_centre[i, k] + extra, v * ETA_FLOOR)
     for i in range(1, filled.shape[0]):
         for k in range(1, geometry.reach[i]):
-            if geometry.interior[i, k] and (dilating or geometry.plane[i, k] > 0.0):
-                v = extra = 0.0
-                for a in range(i - 1, i + 1):
-                    for b in range(k - 1, k + 1):
-                        v += 0.25 * filled[a, b]
-                        extra += 0.25 * filled[a, b] * extra_friction[a, b]
-                p = pressure_at_node(pressure_filled, geometry, i, k, adhesion_of(response))
-                if dilating:
-                    p = 0.25 * sum_of_cells(pressure_filled, i, k)
+            if geometry.interior[i, k]:
+                v, extra = friction_at_node(friction, geometry, i, k)
+                p = 0.25 * sum_of_cells(pressure_filled, i, k)
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )

@@ -6,70 +6,99 @@ is symmetric positive by construction and the stress-free surface is its natural
 Everything is per unit volume: Pa/m per m/s.
 """
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
 from .compiled import inner_jit, kernel_jit
 from .geometry import WET
-from .rheology import effective_viscosities
+from .rheology import ETA_FLOOR, effective_viscosities
 from .shear_planes import pressure_on_plane
 from .strain import mean_square, shear_rate_centre, shear_rate_from
 
 
+class Points(NamedTuple):
+    """Wet cells and interior nodes, one after the other, as arrays (n,).
+
+    `fraction` is the filled fraction of a cell or the wetted part of the plane of a node, `rate` the shear rate, 1/s,
+    `pressure` in Pa. The extra friction of the effects adds extra * push / shear rate to the viscosity times
+    `fraction`: at a cell `extra` is 1 and `push` friction times pressure, Pa; at a node `extra` is the friction of
+    its four cells.
+    """
+
+    fraction: np.ndarray
+    rate: np.ndarray
+    pressure: np.ndarray
+    extra: np.ndarray
+    push: np.ndarray
+
+
 @inner_jit()
 def viscosity_weights(
-    weight_centre, weight_node, e_centre, g_node, pressure_filled, geometry, material, adhesion
+    weight_centre,
+    weight_node,
+    e_centre,
+    g_node,
+    pressure_filled,
+    geometry,
+    material,
+    adhesion,
+    friction,
 ):
     """Effective viscosity, Pa s, times the filled fraction of wet cells or the wetted part of the planes of nodes.
 
-    It is zero elsewhere. `adhesion` is p_c, Pa (`adhesion`).
+    It is zero elsewhere. `adhesion` is p_c, Pa (`adhesion`); `friction` (nx, nz) is the extra friction of the effects,
+    or None.
 
     The points are packed first, so that the viscosity is one long loop without branches.
     """
-    points = weight_centre.size + weight_node.size
-    fraction, rate, pressure, eta = (
-        np.empty(points),
-        np.empty(points),
-        np.empty(points),
-        np.empty(points),
-    )
-    n = _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry)
-    n = _pack_nodes(
-        fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry, adhesion
-    )
-    effective_viscosities(eta[:n], rate[:n], pressure[:n], material)
+    size = weight_centre.size + weight_node.size
+    points = Points(np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
+    n = _pack_centres(points, e_centre, g_node, pressure_filled, geometry, friction)
+    n = _pack_nodes(points, n, e_centre, g_node, pressure_filled, geometry, adhesion, friction)
+    eta = np.empty(n)
+    effective_viscosities(eta, points.rate[:n], points.pressure[:n], material)
+    for m in range(n):
+        eta[m] *= points.fraction[m]
+    if friction is not None:
+        _add_friction(eta, points, material.shear_rate_min)
     weight_centre[:] = 0.0
     weight_node[:] = 0.0
     n = 0
     for i in range(weight_centre.shape[0]):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] > WET:
-                weight_centre[i, k] = fraction[n] * eta[n]
+                weight_centre[i, k] = eta[n]
                 n += 1
     for i in range(1, weight_centre.shape[0]):
         for k in range(1, geometry.reach[i]):
             if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
-                weight_node[i, k] = fraction[n] * eta[n]
+                weight_node[i, k] = eta[n]
                 n += 1
 
 
 @inner_jit()
-def _pack_centres(fraction, rate, pressure, e_centre, g_node, pressure_filled, geometry):
-    """Filled fraction, shear rate and pressure of the wet cells; return their number."""
+def _pack_centres(points, e_centre, g_node, pressure_filled, geometry, friction):
+    """Set the `Points` of the wet cells; return their number."""
     n = 0
     filled = geometry.filled
     for i in range(e_centre.shape[0]):
         for k in range(geometry.reach[i]):
             v = filled[i, k]
             if v > WET:
-                fraction[n] = v
-                rate[n] = shear_rate_centre(e_centre, g_node, i, k)
-                pressure[n] = pressure_filled[i, k] / v
+                points.fraction[n] = v
+                points.rate[n] = shear_rate_centre(e_centre, g_node, i, k)
+                points.pressure[n] = pressure_filled[i, k] / v
+                if friction is not None:
+                    points.extra[n] = 1.0
+                    points.push[n] = max(pressure_filled[i, k], 0.0) * friction[i, k]
                 n += 1
     return n
 
 
 @inner_jit()
-def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, geometry, adhesion):
+def _pack_nodes(points, n, e_centre, g_node, pressure_filled, geometry, adhesion, friction):
     """The same of the interior nodes, from place n on: those of its plane."""
     plane, interior = geometry.plane, geometry.interior
     for i in range(1, e_centre.shape[0]):
@@ -79,11 +108,35 @@ def _pack_nodes(fraction, rate, pressure, n, e_centre, g_node, pressure_filled, 
                 e2 = mean_square(
                     e_centre[i - 1, k - 1], e_centre[i, k - 1], e_centre[i - 1, k], e_centre[i, k]
                 )
-                fraction[n] = v
-                rate[n] = shear_rate_from(4.0 * e2, g_node[i, k] * g_node[i, k])
-                pressure[n] = pressure_at_node(pressure_filled, geometry, i, k, adhesion) / v
+                p = pressure_at_node(pressure_filled, geometry, i, k, adhesion)
+                points.fraction[n] = v
+                points.rate[n] = shear_rate_from(4.0 * e2, g_node[i, k] * g_node[i, k])
+                points.pressure[n] = p / v
+                if friction is not None:
+                    filled, points.extra[n] = friction_at_node(friction, geometry, i, k)
+                    points.push[n] = max(p, 0.0) / filled
                 n += 1
     return n
+
+
+@inner_jit()
+def friction_at_node(friction, geometry, i, k):
+    """Mean over the four cells of a node of their filled fractions, and of these times the extra friction."""
+    filled = extra = 0.0
+    for a in range(i - 1, i + 1):
+        for b in range(k - 1, k + 1):
+            filled += 0.25 * geometry.filled[a, b]
+            extra += 0.25 * geometry.filled[a, b] * friction[a, b]
+    return filled, extra
+
+
+@inner_jit(error_model="numpy")
+def _add_friction(weights, points, shear_rate_min):
+    """Add the extra friction to viscosity times fraction (n,), Pa s: one loop of vector instructions."""
+    for n in range(weights.size):
+        rate = math.sqrt(points.rate[n] * points.rate[n] + shear_rate_min * shear_rate_min)
+        added = points.extra[n] * (points.push[n] / rate)
+        weights[n] = max(weights[n] + added, points.fraction[n] * ETA_FLOOR)
 
 
 @inner_jit()
