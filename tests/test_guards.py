@@ -290,6 +290,15 @@ def test_grains_that_dilate_within_their_law_are_trusted():
     assert trust_of("complete", [0.0, -0.005], 0.05, 0, 1, case).verdict == "look at it"
 
 
+def test_cohesive_grains_may_loosen_by_what_they_lose_of_the_solid_fraction():
+    loss = {"effects.cohesion.adhesion": 20.0, "effects.cohesion.solid_fraction_loss": 0.02}
+    case = Case().replace(**loss)  # 0.62 to 0.60: the volume grows by 3.3 %
+    assert trust_of("complete", [0.0, 0.033], 0.05, 0, 1, case).verdict == "fine"
+    assert trust_of("complete", [0.0, 0.037], 0.05, 0, 1, case).verdict == "look at it"
+    without = case.replace(**{"effects.cohesion.solid_fraction_loss": 0.0})
+    assert trust_of("complete", [0.0, 0.033], 0.05, 0, 1, without).verdict == "do not use"
+
+
 def test_the_result_and_its_summary_say_how_far_to_trust_it(tmp_path, capsys):
     case = tmp_path / "case.toml"
     case.write_text("grid.cell_size = 0.02\ntime.end = 0.01\n")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from runs import remake, stamps
+from runs import remake, restamp, stamps
 from runs.remake_tasks import TASKS, Task
 
 ROOT = stamps.ROOT
@@ -179,3 +179,43 @@ def test_bad_arguments_are_one_line(arguments, words, capsys):
     captured = capsys.readouterr().err
     assert words in captured
     assert captured.count("\n") == 1
+
+
+def test_tables_of_a_solver_with_the_same_numbers_are_restamped_with_a_note(small, monkeypatch):
+    root, tasks, version = small
+    assert [do(task, root) for task in tasks] == ["", ""]
+    version["now"] = "2"
+    monkeypatch.setattr(restamp, "solver_version", lambda effects=None: version["now"])
+    earlier = stamps.read_stamps(root)
+    assert restamp.restamped(earlier, "0", "another solver", tasks, root) == earlier
+    done = restamp.restamped(earlier, "1", "only comments differ", tasks, root)
+    (root / stamps.STAMPS).write_text(json.dumps(done))
+    assert states_of(tasks, root) == [{stamps.PRESENT}, {stamps.PRESENT}]
+    kept = done["runs/study/a.csv"]
+    assert kept["restamped"] == {"from": "1", "note": "only comments differ"}
+    assert kept["cpu_s"] == earlier["runs/study/a.csv"]["cpu_s"]
+
+
+def test_answers_of_a_solver_with_the_same_numbers_are_restamped(tmp_path):
+    path = tmp_path / "answers.json"
+    made_with = [
+        {"solver": "1", "diagnosis": "a"}, {"solver": "1", "diagnosis": "b"}, {"solver": "0", "diagnosis": "a"},
+    ]  # fmt: skip
+    path.write_text(json.dumps({f"{n}": {"made_with": of} for n, of in enumerate(made_with)}))
+    restamp.restamp_answers(path, "1", "a")
+    now = [answer["made_with"] for answer in json.loads(path.read_text()).values()]
+    present = restamp.digest_of(restamp.DIAGNOSIS)
+    assert [of["diagnosis"] for of in now] == [present, "b", "a"]
+    assert [of["solver"] for of in now] == [restamp.solver_version()] * 2 + ["0"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [(["0.0"], "SOLVER: found 0.0; allowed: 0.1.0+"), ([], "--note: found none; allowed: why")],
+)
+def test_a_restamp_needs_a_known_solver_and_a_reason(arguments, line, capsys):
+    known = [next(stamp["code"] for stamp in stamps.read_stamps().values() if "code" in stamp)]
+    before = (ROOT / stamps.STAMPS).read_bytes()
+    assert restamp.main(arguments or known) == 2
+    assert line in capsys.readouterr().err
+    assert (ROOT / stamps.STAMPS).read_bytes() == before

@@ -4,7 +4,8 @@ The table of the limits, with what is not judged, stands in `README.md` beside t
 
 The volume is corrected after every step to that of the start, so a drift means that the correction had
 nothing to act on; 1 % of the volume is as large as what a usual experiment resolves. With dilatancy the
-volume changes as the grains expand: only what lies beyond the solid fractions that the law allows counts.
+volume changes as the grains expand, as it does with cohesion that loosens them: only what lies beyond the
+solid fractions that the law allows counts.
 
 The sum of the corrections says how much volume the motion of the surface made or lost on the way, and
 the correction moved elsewhere. Ordinary collapses stay below 0.1. Grains that fly apart (a tall column
@@ -157,7 +158,7 @@ def largest_drift(relative_volume: np.ndarray, case: "Case") -> float:
 
 def allowed_volumes(case: "Case") -> tuple[float, float]:
     """Least and largest relative volume to which the grains may contract and expand."""
-    effect = case.effects.dilatancy
+    effect = case.resolved.effects.dilatancy  # cohesion may loosen the grains, too
     if effect is None or effect.dilatancy_factor == 0.0:
         return 0.0, 0.0
     start = effect.solid_fraction_0 or case.rheology.density_bulk / case.rheology.density_grain
