@@ -33,7 +33,8 @@ def restamped(stamps, before, note, tasks=TASKS, root=ROOT):
         now = {"solver": solver_version(task.effects), "code": solver_version()}
         for name in files_of(task.makes, root):
             if stamps.get(name, {}).get("code") == before:
-                done[name] = stamps[name] | now | {"restamped": {"from": before, "note": note}}
+                history = [*stamps[name].get("restamped", []), {"from": before, "note": note}]
+                done[name] = stamps[name] | now | {"restamped": history}
     return done
 
 
@@ -76,11 +77,12 @@ def main(arguments=None):
         print(error, file=sys.stderr)
         return error.exit_status
     done = restamped(stamps, options.before, options.note.strip())
-    write_atomic(ROOT / STAMPS, (json.dumps(done, indent=1) + "\n").encode())
     for name in ANSWERS:
         restamp_answers(ROOT / name, options.before, options.diagnosis)
     for name in files_of(REPORTS):
         restamp_report(ROOT / name, options.before)
+    # last: SOLVER is known as long as they name it, so that a call that was cut short can be made again
+    write_atomic(ROOT / STAMPS, (json.dumps(done, indent=1) + "\n").encode())
     return 0
 
 

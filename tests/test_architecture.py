@@ -178,6 +178,7 @@ BORROWED = {
     ("laboratories", "runs.cross_code.study"),  # how an answer is named and kept
     ("runs", "runs.paper.settled"),  # names of readings, for the README of the paper
     ("runs", "runs.paper.verdicts"),
+    ("runs", "runs.cross_code.study"),
     ("runs", "runs.laboratories.study"),  # names of the laboratories, for their README
     ("runs", "runs.paper_facts.sets"),  # names of sets and variants, for theirs
     ("runs", "runs.paper_facts.study"),

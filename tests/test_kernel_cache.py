@@ -68,6 +68,14 @@ def test_kernels_of_earlier_sources_are_neither_read_nor_kept(files):
     assert len(list(Path(files()._cache_path).glob("*.nbc"))) == 1
 
 
+def test_a_kernel_that_two_processes_name_otherwise_is_kept_once(files, monkeypatch):
+    files().save("key", "kernel")
+    monkeypatch.setattr(KernelFiles, "_data_name_of", lambda self, key: self._data_name(7))
+    files().save("key", "the same kernel")
+    assert files().load("key") == "the same kernel"
+    assert len(list(Path(files()._cache_path).glob("*.nbc"))) == 1
+
+
 def test_a_kernel_that_another_process_removed_is_compiled_again(files):
     first = files()
     first.save("key", "kernel")

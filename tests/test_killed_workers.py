@@ -92,7 +92,9 @@ def run_and_kill(calls, victim, **options):
     found, killed, ended = {}, [], threading.Event()
 
     def kill():
-        wait_for(lambda: marching(calls), alive=lambda: not ended.is_set())
+        wait_for(lambda: marching(calls) or ended.is_set())
+        if ended.is_set():
+            return
         killed.append(marching(calls)[0])
         victim(killed[0])
 
@@ -103,6 +105,7 @@ def run_and_kill(calls, victim, **options):
     finally:
         ended.set()
         killer.join()
+        assert killed, "all runs have ended before one could be killed in its midst"
     return found, killed[0]
 
 

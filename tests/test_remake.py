@@ -192,7 +192,10 @@ def test_tables_of_a_solver_with_the_same_numbers_are_restamped_with_a_note(smal
     (root / stamps.STAMPS).write_text(json.dumps(done))
     assert states_of(tasks, root) == [{stamps.PRESENT}, {stamps.PRESENT}]
     kept = done["runs/study/a.csv"]
-    assert kept["restamped"] == {"from": "1", "note": "only comments differ"}
+    assert kept["restamped"] == [{"from": "1", "note": "only comments differ"}]
+    version["now"] = "3"
+    again = restamp.restamped(done, "2", "a file has moved", tasks, root)["runs/study/a.csv"]
+    assert [of["from"] for of in again["restamped"]] == ["1", "2"]
     assert kept["cpu_s"] == earlier["runs/study/a.csv"]["cpu_s"]
 
 

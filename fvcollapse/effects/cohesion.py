@@ -13,9 +13,9 @@ K is `DILATANCY_FACTOR`.
 
 `kappa_0` is a yield stress alone, mu_1 p + kappa_0: no cell pulls and the walls stay cohesionless.
 
-Limits: a law without a yield stress is refused, and for p_c and the loss a law without friction, suction
-(`numerics.unilateral = false`) and walls that act before the solve. A bond is ductile: a cell pulls with p_c as long as
-it opens. The loss does not depend on p_c/p.
+Limits: a loss that leaves nu_eq below `LOOSEST` is refused, and so is a law without a yield stress. With p_c and the
+loss so are a law without friction, suction (`numerics.unilateral = false`) and walls that act before the solve. A bond
+is ductile: a cell pulls with p_c as long as it opens. The loss does not depend on p_c/p.
 
 References
 ----------
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fvcollapse.case.case import Case
 
 DILATANCY_FACTOR = 4.0  # K where no effect `dilatancy` says it, its value in SedFoam
+LOOSEST = 0.3  # nu_eq at I = 0, the least that `dilatancy.solid_fraction_critical` may be
 
 
 class Cohesion(Section):
@@ -79,6 +80,23 @@ def looser(case: "Case", loss: float) -> Dilatancy:
     return replace(section, solid_fraction_critical=section.solid_fraction_critical - loss)
 
 
+def refusals(case: "Case", section: Cohesion) -> Iterator[tuple[str, str, str]]:
+    """What a case with cohesion may not be; see its three parts."""
+    yield from without_yield_stress(case, section)
+    yield from too_loose(case, section)
+
+
+def too_loose(case: "Case", section: Cohesion) -> Iterator[tuple[str, str, str]]:
+    """Loosened grains keep a nu_eq of `LOOSEST` at least."""
+    loss = section.solid_fraction_loss
+    critical = looser(case, loss).solid_fraction_critical
+    if loss > 0.0 and critical < LOOSEST:
+        limit = (
+            f"<= {max(critical + loss - LOOSEST, 0.0):.3g}, so that nu_eq stays {LOOSEST} or more"
+        )
+        yield "effects.cohesion.solid_fraction_loss", f"{loss:g}", limit
+
+
 def without_yield_stress(case: "Case", section: Cohesion) -> Iterator[tuple[str, str, str]]:
     """The law has a yield stress to which the cohesion adds; adhesion needs friction and the unilateral pressure."""
     if case.rheology.law == "newtonian":
@@ -119,6 +137,6 @@ EFFECT = Effect(
         ),
     },
     absorbed_in=("rheology.mu_1",),
-    refuse=without_yield_stress,
+    refuse=refusals,
     change=put_into_keys,
 )

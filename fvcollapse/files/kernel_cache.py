@@ -5,13 +5,13 @@ Beside the file of a kernel, in `__pycache__`, stand an index (`.nbi`) and a fil
 
 - a kernel is made again when any file with kernels has changed, since Numba looks at its own file only, not at those
   of the kernels that it calls;
-- the name of a data file is a digest of what it holds, and it is written before the index names it. Numba numbers the
-  files and writes the index first: a process that reads in between finds the kernel of an earlier source, and of
-  two processes that save at once one may be given the kernel of the other's argument types;
+- no other argument types and no other sources have the name of a data file, which is written before the index names
+  it. Numba numbers the files and writes the index first. A process that reads in between then finds the kernel of an
+  earlier source, and of two processes that save at once one may be given the kernel of the other's argument types;
 - processes write an index one after the other, so that none overwrites the entry of another;
 - kernels are read without the tables of the compiler, which take half a second to import.
 
-None of this changes a number: the digest of the solver does not depend on this file (`output/fingerprint.py`).
+None of this changes a number. So the digest of the solver does not depend on this file (`output/fingerprint.py`).
 """
 
 from collections.abc import Callable, Iterator
@@ -27,8 +27,8 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.runtime import rtsys
 
 FILES_OF_KERNELS = ("step/*.py", "measure/pile.py", "measure/series_row.py", "march.py")
-LOCK = "kernels.lock"  # of the indices of a folder; it stays there, and is empty
-PATIENCE = 10.0  # s to wait for a lock; an entry that is lost without it is compiled again
+LOCK = "kernels.lock"  # of the indices of a folder; it is empty
+PATIENCE = 60.0  # s to wait for a lock; an entry that is lost without it is compiled again
 NOT_KEPT: set[str] = set()  # names of kernels that the disk did not take
 
 
@@ -52,15 +52,17 @@ class KernelFiles(IndexDataCacheFile):
             entries = self._load_index()
             if not entries:  # none yet, or of other sources
                 self._remove_data(but=name)
-            if entries.get(key) != name:
+            before = entries.get(key)  # another process may have named it otherwise
+            if before != name:
                 self._save_index(entries | {key: name})
+                self._remove(before)
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Hold the lock of all indices of the folder; nothing where the file system has none."""
+        """Hold the lock of all indices of the folder; where the file system has no locks, go on without."""
         lock = FileLock(Path(self._cache_path) / LOCK, timeout=PATIENCE)
         try:
-            lock.acquire()
+            lock.acquire(poll_interval=0.01)
         except (OSError, NotImplementedError):  # a Timeout is an OSError
             yield
             return
@@ -70,7 +72,7 @@ class KernelFiles(IndexDataCacheFile):
             lock.release()
 
     def _data_name_of(self, key: tuple) -> str:
-        """Name of the data file of a key, which no other key nor version has."""
+        """Name of the data file of a key, which no other key nor version has; two processes may differ on it."""
         content = f"{self._version} {self._source_stamp} {self._dump(key)}"
         return self._data_name_pattern.format(
             number=int(sha256(content.encode()).hexdigest()[:15], 16)
@@ -81,8 +83,13 @@ class KernelFiles(IndexDataCacheFile):
         before, after = self._data_name_pattern.split("{number:d}")
         for path in Path(self._cache_path).glob(f"{before}*{after}"):
             if path.name != but:
-                with suppress(OSError):
-                    path.unlink()
+                self._remove(path.name)
+
+    def _remove(self, name: str | None) -> None:
+        """Remove a data file, if there is one and the system lets it go."""
+        if name is not None:
+            with suppress(OSError):
+                Path(self._data_path(name)).unlink()
 
 
 class KernelCache(FunctionCache):

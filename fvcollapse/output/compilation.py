@@ -8,6 +8,8 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from fvcollapse.effects.catalogue import effects_on
@@ -21,17 +23,20 @@ if TYPE_CHECKING:
 NOTICE = "compiling the kernels: once on this machine, about a minute"
 TOLD: list[bool] = []  # whether this process has said so
 PREPARED: set[tuple[str, ...]] = set()  # effects whose kernels are compiled, or being compiled
-# Which half a process compiles first, "first" or "second", where others compile beside it; unset in a process alone
-HALF = "FVCOLLAPSE_COMPILED_HALF"
+# Which half a process compiles first, `FIRST` or `SECOND`, where others compile beside it; unset in a process alone
+HALF, FIRST, SECOND = "FVCOLLAPSE_COMPILED_HALF", "first", "second"
 
 
 def is_compiled() -> bool:
     """Whether the kernel of the steps is on the disk, for these sources; True where none is kept."""
     from fvcollapse.march import march  # loads the compiler
 
-    return (
-        not keeps_kernels() or bool(march.overloads) or bool(march._cache._cache_file._load_index())
-    )
+    if not keeps_kernels() or march.overloads:
+        return True
+    try:
+        return bool(march._cache._cache_file._load_index())
+    except OSError:  # another process replaces it (Windows)
+        return True
 
 
 def keeps_kernels() -> bool:
@@ -74,7 +79,8 @@ def prepare_kernels(case: "Case", quiet: bool, log: "Logger | None" = None) -> N
     effects = tuple(effect.name for effect, _ in effects_on(case.resolved))
     if effects not in PREPARED:
         PREPARED.add(effects)
-        share_compilation(case)
+        with suppress(Exception):  # the run needs none of it, and names what is wrong with the case
+            share_compilation(case)
 
 
 def share_compilation(case: "Case") -> None:
@@ -87,27 +93,44 @@ def share_compilation(case: "Case") -> None:
     if is_kept(flow):
         return
     half = os.environ.get(HALF)
-    if half == "second":
+    if half == SECOND:
         compile_second_half(flow, watch)
-    elif half is None and multiprocessing.parent_process() is None and (os.cpu_count() or 1) > 1:
+    elif half is None and multiprocessing.parent_process() is None and cores() > 1:
         start_second_half(case)
 
 
+def cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def start_second_half(case: "Case") -> None:
-    """Start a process that compiles the second half; it ends with this one, and may fail without harm."""
-    command = [sys.executable, "-m", "fvcollapse.output.second_half"]
+    """Start a process that compiles the second half; it ends with this one, and may fail without harm.
+
+    It has the path of this process, and imports nothing from the folder that it stands in. It ends when its standard
+    input does, which this process holds open.
+    """
+    if not sys.executable or getattr(sys, "frozen", False):  # what would start is another program
+        return
+    path = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
+    environment = os.environ | {HALF: SECOND, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
+    command = [sys.executable, "-m", "fvcollapse.output.second_half", case.to_toml()]
     silent = subprocess.DEVNULL
     try:
         helper = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=silent,
-            stderr=silent,
-            text=True,
-            encoding="utf-8",
+            command, env=environment, stdin=subprocess.PIPE, stdout=silent, stderr=silent
         )
-        with helper.stdin as pipe:
-            pipe.write(case.to_toml())
     except OSError:
         return
-    atexit.register(helper.kill)
+    atexit.register(end, helper)
+    threading.Thread(
+        target=helper.wait, daemon=True
+    ).start()  # so that none is left when it has ended
+
+
+def end(helper: "subprocess.Popen") -> None:
+    """End the process that compiles the second half."""
+    helper.kill()
+    helper.wait()

@@ -4,10 +4,15 @@ A process compiles the kernels in the order in which a step reaches them, one at
 A second process begins with those after it. Each takes from the disk what the other has kept there
 (`files/kernel_cache.py`), so that none has to wait for the other.
 
-    python -m fvcollapse.output.second_half < case.toml
+    python -m fvcollapse.output.second_half TOML
+
+compiles the second half for the case whose text is given. It ends when its standard input ends, which the process that
+started it holds open.
 """
 
+import os
 import sys
+import threading
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -45,14 +50,14 @@ def simulation_types(case: "Case") -> tuple:
 
 def is_kept(flow: Any) -> bool:
     """Whether a march with this type of `Flow` is on the disk, or was compiled here."""
-    kept = [key[0] for key in march._cache._cache_file._load_index()]
+    kept = [types for types, *_ in march._cache._cache_file._load_index()]
     return any(types[0] == flow for types in (*kept, *march.overloads))
 
 
 def compile_second_half(flow: Any, watch: Any) -> None:
     """Compile what follows the solve in a step, and what precedes it but needs none of its kernels.
 
-    The order is such that the first process comes last to what is compiled first here.
+    What the first process reaches last is compiled first.
 
     Parameters
     ----------
@@ -79,5 +84,18 @@ def compiled(kernel: Any, *types: Any) -> Any:
     return kernel.overloads[types].signature.return_type
 
 
+def end_with_the_starter() -> None:
+    """Wait for the end of standard input, then end this process."""
+    while os.read(0, 1):  # standard input itself: its buffer would be locked when this process ends
+        pass
+    os._exit(1)
+
+
+def main(text: str) -> None:
+    """Compile the second half for the case of this text."""
+    threading.Thread(target=end_with_the_starter, daemon=True).start()
+    compile_second_half(*simulation_types(case_from_text(text)))
+
+
 if __name__ == "__main__":
-    compile_second_half(*simulation_types(case_from_text(sys.stdin.read())))
+    main(sys.argv[1])

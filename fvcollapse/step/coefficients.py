@@ -107,9 +107,9 @@ def answer_beforehand(
 def stress_coefficients(work, pressure_filled, geometry, material, response):
     """Viscosity of cells and nodes, the extra friction of the effects included."""
     if response is None:
-        viscosity_with(work, pressure_filled, geometry, material, 0.0, None)
+        set_viscosity(work, pressure_filled, geometry, material, 0.0, None)
     elif response.dilatancy.factor > 0.0:
-        viscosity_with(work, pressure_filled, geometry, material, adhesion_of(response), None)
+        set_viscosity(work, pressure_filled, geometry, material, adhesion_of(response), None)
         add_dilating_friction(
             work.weight_centre,
             work.weight_node,
@@ -122,12 +122,12 @@ def stress_coefficients(work, pressure_filled, geometry, material, response):
         )
     else:
         friction = work.response.extra_friction
-        viscosity_with(work, pressure_filled, geometry, material, adhesion_of(response), friction)
+        set_viscosity(work, pressure_filled, geometry, material, adhesion_of(response), friction)
 
 
 @inner_jit()
-def viscosity_with(work, pressure_filled, geometry, material, adhesion, friction):
-    """`viscosity_weights` of the present strain rates, into `work`."""
+def set_viscosity(work, pressure_filled, geometry, material, adhesion, friction):
+    """Set the viscosity of cells and nodes to that of the present strain rates: see `viscosity_weights`."""
     viscosity_weights(
         work.weight_centre,
         work.weight_node,

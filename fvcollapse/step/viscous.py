@@ -22,9 +22,11 @@ class Points(NamedTuple):
     """Wet cells and interior nodes, one after the other, as arrays (n,).
 
     `fraction` is the filled fraction of a cell or the wetted part of the plane of a node, `rate` the shear rate, 1/s,
-    `pressure` in Pa. The extra friction of the effects adds extra * push / shear rate to the viscosity times
-    `fraction`: at a cell `extra` is 1 and `push` friction times pressure, Pa; at a node `extra` is the friction of
-    its four cells.
+    `pressure` in Pa. The extra friction of the effects adds extra * push / rate to fraction times viscosity, Pa s:
+
+    * at a cell `extra` is the number 1, `push` friction times fraction times pressure, Pa;
+    * at a node `extra` is the mean over its cells of friction times filled fraction, and `push` the pressure on its
+      plane over the mean filled fraction, Pa.
     """
 
     fraction: np.ndarray
@@ -57,24 +59,24 @@ def viscosity_weights(
     points = Points(np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
     n = _pack_centres(points, e_centre, g_node, pressure_filled, geometry, friction)
     n = _pack_nodes(points, n, e_centre, g_node, pressure_filled, geometry, adhesion, friction)
-    eta = np.empty(n)
-    effective_viscosities(eta, points.rate[:n], points.pressure[:n], material)
+    weights = np.empty(n)
+    effective_viscosities(weights, points.rate[:n], points.pressure[:n], material)
     for m in range(n):
-        eta[m] *= points.fraction[m]
+        weights[m] *= points.fraction[m]
     if friction is not None:
-        _add_friction(eta, points, material.shear_rate_min)
+        _add_friction(weights, points, material.shear_rate_min)
     weight_centre[:] = 0.0
     weight_node[:] = 0.0
     n = 0
     for i in range(weight_centre.shape[0]):
         for k in range(geometry.reach[i]):
             if geometry.filled[i, k] > WET:
-                weight_centre[i, k] = eta[n]
+                weight_centre[i, k] = weights[n]
                 n += 1
     for i in range(1, weight_centre.shape[0]):
         for k in range(1, geometry.reach[i]):
             if geometry.interior[i, k] and geometry.plane[i, k] > 0.0:
-                weight_node[i, k] = eta[n]
+                weight_node[i, k] = weights[n]
                 n += 1
 
 

@@ -27,7 +27,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from fvcollapse.console.interruption import leave_to_parent
-from fvcollapse.output.compilation import HALF
+from fvcollapse.output.compilation import FIRST, HALF, SECOND
 
 TO_SAVE = 30.0  # s that a run has to finish its step and save; a second signal stops it at once
 TO_END = 5.0  # s that a process without a call has to end
@@ -79,7 +79,7 @@ class ProcessPool(Executor):
         with self.lock:
             if self.stopping:
                 raise BrokenExecutor("the pool is stopped")
-            worker = Worker("second" if len(self.workers) % 2 else "first")
+            worker = Worker(SECOND if len(self.workers) % 2 else FIRST)
             self.workers.append(worker)
             return worker
 

@@ -199,6 +199,26 @@ def test_adhesion_is_refused(changes, key):
     assert caught.value.key == key
 
 
+@pytest.mark.parametrize(
+    ("dilatancy", "loss", "allowed"),
+    [
+        (None, 0.2, None),  # 0.62 to 0.42
+        ({"dilatancy_factor": 4.0, "solid_fraction_critical": 0.4}, 0.2, "<= 0.1, so that nu_eq"),
+        ({"dilatancy_factor": 4.0, "solid_fraction_critical": 0.3}, 0.05, "<= 0, so that nu_eq"),
+    ],
+)
+def test_grains_are_not_loosened_beyond_what_holds_together(dilatancy, loss, allowed):
+    changes = {"effects.cohesion": {"solid_fraction_loss": loss}}
+    changes |= {} if dilatancy is None else {"effects.dilatancy": dilatancy}
+    if allowed is None:
+        Case().replace(**changes)
+        return
+    with pytest.raises(CaseError) as caught:
+        Case().replace(**changes)
+    assert caught.value.key == "effects.cohesion.solid_fraction_loss"
+    assert allowed in str(caught.value)
+
+
 def test_zero_strength_is_no_effect():
     effect = {"adhesion": 0.0, "solid_fraction_loss": 0.0}
     assert same_to_the_last_bit(collapse(0.1), collapse(0.1, effects__cohesion=effect))
