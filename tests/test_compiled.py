@@ -103,7 +103,7 @@ def test_kernels_of_a_class_that_is_gone_are_made_again(tmp_path):
     assert runs == [["4 0"], ["4 1"], ["4 0"]]
 
 
-# -- what `step/compiled.py` takes from the inside of Numba, of which no upper version is set --------
+# -- what `files/kernel_cache.py` and `step/compiled.py` take from the inside of Numba, which has no upper version --
 
 METHODS = {  # of a cache, which ours calls or replaces
     "_index_key": ["self", "sig", "codegen"],
