@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fvcollapse.errors import InputError, UnreadableError
+from fvcollapse.files.hdf5_digest import is_damaged, with_digest
 from fvcollapse.files.hdf5_safety import unsafe_items
 from fvcollapse.files.regular import refuse_unreadable
 from fvcollapse.files.trees import is_text
@@ -40,11 +41,11 @@ def memory_file(libver: tuple[str, str] = LIBVER) -> h5py.File:
 
 
 def build_image(fill: Callable[[h5py.File], object], libver: tuple[str, str] = LIBVER) -> bytes:
-    """Bytes of the HDF5 file that `fill(file)` writes."""
+    """Bytes of the HDF5 file that `fill(file)` writes, with their digest (see `hdf5_digest`)."""
     with memory_file(libver) as file:
         fill(file)
         file.flush()
-        return file.id.get_file_image()
+        return with_digest(file.id.get_file_image())
 
 
 def write_dataset(
@@ -74,6 +75,10 @@ def reading(source: Any, kind: str, part: str = "/") -> Iterator[h5py.File]:
     if not in_memory:
         refuse_unreadable(source, allowed)
     try:
+        if not in_memory and is_damaged(source):
+            raise InputError(
+                name, "file", "a damaged file: its digest is not that of its content", allowed
+            )
         with h5py.File(source, "r") as file:
             found = text_attribute(file, "format")
             if found != kind:
