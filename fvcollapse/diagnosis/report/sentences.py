@@ -182,7 +182,7 @@ def cause_words(report: "Report") -> str:
         others = [name for group in confused(report, causes) for name in group]
         more = [name for name in dict.fromkeys(others) if name not in causes]
         beside = f" Nor do they exclude {joined(more, 'or')}." if more else ""
-        return f"none is named; the data leave those above open.{beside}"
+        return f"none is named: those of the first line stay open.{beside}"
     leads = "" if state == NAMED else "probably " if shares[causes[0]] >= HALF else "perhaps "
     text = f"{leads}{listed(names)}{meaning_of(causes)}."
     return " ".join([text, *confusions(report, causes), *additions(report, causes)])
