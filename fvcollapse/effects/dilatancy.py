@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Dilatancy(Section):
-    """Sheared grains expand or contract towards nu_eq(I) and rub more or less; mass is conserved."""
+    """Sheared grains expand or contract towards an equilibrium packing and rub more or less; mass is conserved."""
 
     dilatancy_factor: Annotated[
         float, key("-", "K of tan(psi) = K (nu - nu_eq); 0 = incompressible", ge=0, le=20)

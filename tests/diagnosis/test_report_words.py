@@ -17,6 +17,7 @@ from fvcollapse.diagnosis.report.glossary import symbols
 from fvcollapse.diagnosis.report.page import coded, together
 from fvcollapse.diagnosis.report.schema import Practical
 from fvcollapse.diagnosis.report.schema_cause import Parameter, PriorRange
+from fvcollapse.diagnosis.report.standing import UNEXPLAINED, standing
 from fvcollapse.diagnosis.report.tables import measured_words, shown_parameter
 from fvcollapse.diagnosis.report.where_words import where_words
 from fvcollapse.diagnosis.report.words import thinned_words
@@ -51,7 +52,7 @@ def test_open_causes_are_listed_once():
 
 def test_where_begins_without_coordinates():
     first, second, *_ = where_words(example())
-    assert re.match(r"the simulated front position is too far", first)
+    assert re.match(r"without any effect added, the simulated front position is too far", first)
     assert not re.search(r"X = |\d s\b", first)
     assert re.search(r"from \d", second)
 
@@ -144,3 +145,11 @@ def test_no_marker_of_the_ladder_is_cut(monkeypatch):
         assert max(places) <= 0.95 * panel.get_xlim()[1]
     rows = {float(row) for line in panel.lines for row in line.get_ydata()}
     assert rows == set(range(len(alone)))
+
+
+def test_where_nothing_in_the_catalogue_explains_the_gap_no_experiment_is_proposed(monkeypatch):
+    report = replace(example(), next_experiment=None)
+    assert next_words(report) == []
+    stand = standing(report)._replace(state=UNEXPLAINED)
+    monkeypatch.setattr("fvcollapse.diagnosis.report.next_words.standing", lambda report: stand)
+    assert next_words(report)[0].startswith("no experiment is proposed")

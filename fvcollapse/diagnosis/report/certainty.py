@@ -35,8 +35,8 @@ def certainty(report: "Report") -> str:
     confirmation = report.details.confirmation
     if confirmation is not None and stand.causes[0] in report.verdict.effects:
         added = listed(hypothesis_name(name) for name in report.verdict.effects)
-        start = f"With {added} added" if stand.state == OPEN else wording(confirmation)
-        parts.append(f"{start}: {listed(confirmation.reasons)}.")
+        start = f"Run with {added} added." if stand.state == OPEN else f"{wording(confirmation)}."
+        parts.append(f"{start} The checks: {'; '.join(confirmation.reasons)}.")
     return " ".join([*parts, *weak_words(report)])
 
 
@@ -86,7 +86,8 @@ def weak_words(report: "Report") -> list[str]:
         words.append(
             "These probabilities only rank the causes: how often such an answer is right was not tested."
         )
-    words.append(tested_words(report))
+    else:
+        words.append(sentence(right_words(report)))
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(
@@ -95,12 +96,9 @@ def weak_words(report: "Report") -> list[str]:
     return words
 
 
-def tested_words(report: "Report") -> str:
-    """How often answers were right in the sealed cases."""
-    right = right_words(report)
-    if is_calibrated(report):
-        return f"{right[0].upper()}{right[1:]}"
-    return f"Answers of the verdict layer were tested: {right}"
+def sentence(text: str) -> str:
+    """The text with a capital letter."""
+    return f"{text[0].upper()}{text[1:]}"
 
 
 def is_calibrated(report: "Report") -> bool:

@@ -3,11 +3,16 @@
 from typing import TYPE_CHECKING
 
 from fvcollapse.diagnosis.report.sealed import sealed_scores, worth_words
+from fvcollapse.diagnosis.report.standing import UNEXPLAINED, standing
 from fvcollapse.diagnosis.report.words import hypotheses_listed
 
 if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import NextExperiment, Report
 
+UNPLANNED = (
+    "no experiment is proposed, since nobody can predict what a cause outside the catalogue would do in it. Check the "
+    "uncertainties of what was measured where the gap lies."
+)
 MOST_NAMED = 3  # set-ups in the answer; the table has all
 
 
@@ -32,10 +37,13 @@ def with_case(report: "Report") -> "NextExperiment | None":
 
 
 def next_words(report: "Report") -> list[str]:
-    """What to measure next, what it would separate, and what such a plan was worth; empty where nothing is open."""
+    """What to measure next, what it would separate, and what such a plan was worth; empty where nothing is open.
+
+    Where nothing in the catalogue explains the gap, why there is no plan.
+    """
     alike, _ = planned(report)
     if not alike:
-        return []
+        return [UNPLANNED] if standing(report).state == UNEXPLAINED else []
     separated = dict.fromkeys(name for one in alike for name in one.separates)
     return [
         f"{choice_words(alike)}.",

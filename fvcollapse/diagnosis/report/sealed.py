@@ -64,7 +64,7 @@ def right_words(report: "Report") -> str:
     kind = "with" if has_controls else "without"
     text = (
         f"in {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}; "
-        f"wrong answers that claimed more than 90 % were {percent(own.confident_errors)} of all"
+        f"{percent(own.confident_errors)} of all answers were wrong and claimed more than 90 %"
     )
     if has_controls:
         return f"{text}."

@@ -174,8 +174,8 @@ def cause_words(report: "Report") -> str:
             "" if best is None else f" The best of those that were run is {joined(best.effects)}."
         )
         return (
-            f"none of the {len(report.candidates)} effects that were tried, with plausible values. It lies in "
-            f"the model, or in a measurement error larger than its stated uncertainty.{closest}"
+            f"none of the {len(report.candidates)} effects that were tried, with plausible values. The "
+            f"cause lies in the model, or in a measurement error larger than its stated uncertainty.{closest}"
         )
     names = [cause_name(cause, report) for cause in causes]
     if state == OPEN:

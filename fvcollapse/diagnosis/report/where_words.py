@@ -30,10 +30,10 @@ def gap_words(report: "form.Report") -> list[str]:
             text += "; the answer rests on all points taken together"
         return [f"{text}."]
     regions = sorted(report.where, key=lambda region: -region.significance)
-    taught = " (the model error learned from the controls is taken off)"
+    taught = " (the model error that the controls show is subtracted)"
     return [
-        f"the simulated {listed(directions(regions))}, beyond what measurement, grid and calibration "
-        f"explain{taught if report.details.expected else ''}.",
+        f"without any effect added, the simulated {listed(directions(regions))}, beyond what measurement, grid and "
+        f"calibration explain{taught if report.details.expected else ''}.",
         largest_words(regions, report),
     ]
 
