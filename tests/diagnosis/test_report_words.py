@@ -14,6 +14,7 @@ from fvcollapse.diagnosis.points import Block
 from fvcollapse.diagnosis.report import reduction_figures, sentences
 from fvcollapse.diagnosis.report.findings import measured_points
 from fvcollapse.diagnosis.report.glossary import symbols
+from fvcollapse.diagnosis.report.next_words import next_words
 from fvcollapse.diagnosis.report.page import coded, together
 from fvcollapse.diagnosis.report.schema import Practical
 from fvcollapse.diagnosis.report.schema_cause import Parameter, PriorRange
