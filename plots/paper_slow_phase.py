@@ -4,7 +4,7 @@ python -m plots.paper_slow_phase
 """
 
 from fvcollapse.draw.drawing import BLUE, GREEN, ORANGE
-from plots.paper_style import FIGURES, key, main, panels, write_picture
+from plots.paper_style import key, main, panels, write_picture
 from runs.table import MissingRun, as_line, read_table, to_float
 
 FRONTS = {"1mm": ORANGE, "5mm": BLUE, "10mm": GREEN}
@@ -51,7 +51,7 @@ def draw(of):
         panel.set_xlabel("time (s)")
     key(axes[0, 1], {mm.replace("mm", " mm"): {"color": c} for mm, c in FRONTS.items()})
     words = ", ".join(f"{size:g}" for size in sorted(cells, reverse=True))
-    write_picture(figure, "paper_slow_phase", CAPTION.format(cells=words), FIGURES)
+    write_picture(figure, "paper_slow_phase", CAPTION.format(cells=words))
 
 
 def mark_phases(axes, row):

@@ -156,8 +156,9 @@ def save(figure, name, of, caption, sources):
     write_picture(figure, name, f"{caption} {cells}")
 
 
-def write_picture(figure, name, caption, folder=FIGURES):
-    """Write a picture, and its caption beside it, into a folder."""
+def write_picture(figure, name, caption, folder=None):
+    """Write a picture, and its caption beside it, into a folder; default `FIGURES`."""
+    folder = FIGURES if folder is None else folder
     folder.mkdir(parents=True, exist_ok=True)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=DPI)

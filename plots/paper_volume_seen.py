@@ -4,7 +4,7 @@ python -m plots.paper_volume_seen
 """
 
 from fvcollapse.draw.drawing import BLUE, GREEN, GREY, ORANGE
-from plots.paper_style import FIGURES, PURPLE, SKY, YELLOW, key, main, panels, write_picture
+from plots.paper_style import PURPLE, SKY, YELLOW, key, main, panels, write_picture
 from runs.table import MissingRun, as_line, read_table
 
 GRAINS = "0.44, 0.69; no slip"  # in the names of the table
@@ -45,7 +45,7 @@ def draw(of):
     styles = {words: {"color": colour} for words, colour in KINDS.values()}
     key(axes[0, 1], styles, loc="upper left", bbox_to_anchor=(1.02, 1.0))
     words = CAPTION.format(grains=GRAINS.partition(";")[0])
-    write_picture(figure, "paper_volume_seen", words, FIGURES)
+    write_picture(figure, "paper_volume_seen", words)
 
 
 if __name__ == "__main__":
