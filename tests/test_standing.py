@@ -38,6 +38,14 @@ def test_the_processes_of_one_round_make_the_next_and_end_with_the_block():
     assert not any(map(is_alive, first))
 
 
+@pytest.fixture
+def heeded():
+    """SIGINT is heeded; a shell lets what it runs in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_nothing_to_do_starts_nothing():
     with StandingWorkers(2) as team:
         team.run_all(fake_tasks.double, {}, None)
@@ -61,6 +69,7 @@ def test_an_idle_process_that_was_killed_is_replaced():
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.usefixtures("heeded")
 def test_a_signal_between_two_rounds_ends_the_processes(number):
     first = set()
 
