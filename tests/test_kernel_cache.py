@@ -79,7 +79,7 @@ def test_a_kernel_that_two_processes_name_otherwise_is_kept_once(files, monkeypa
 def test_a_kernel_that_another_process_removed_is_compiled_again(files):
     first = files()
     first.save("key", "kernel")
-    first._remove_data(but="")
+    first._remove_data()
     assert files().load("key") is None
     files().save("key", "kernel")
     assert files().load("key") == "kernel"

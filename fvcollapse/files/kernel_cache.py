@@ -47,11 +47,11 @@ class KernelFiles(IndexDataCacheFile):
     def save(self, key: tuple, data: Any) -> None:
         """Write a data file, then its entry in the index; see the module."""
         name = self._data_name_of(key)
-        self._save_data(name, data)
         with self._alone():
             entries = self._load_index()
             if not entries:  # none yet, or of other sources
-                self._remove_data(but=name)
+                self._remove_data()
+            self._save_data(name, data)
             before = entries.get(key)  # another process may have named it otherwise
             if before != name:
                 self._save_index(entries | {key: name})
@@ -78,12 +78,11 @@ class KernelFiles(IndexDataCacheFile):
             number=int(sha256(content.encode()).hexdigest()[:15], 16)
         )
 
-    def _remove_data(self, but: str) -> None:
-        """Remove the data files of other sources; another process that has lost one compiles it again."""
+    def _remove_data(self) -> None:
+        """Remove all data files, those of other sources."""
         before, after = self._data_name_pattern.split("{number:d}")
         for path in Path(self._cache_path).glob(f"{before}*{after}"):
-            if path.name != but:
-                self._remove(path.name)
+            self._remove(path.name)
 
     def _remove(self, name: str | None) -> None:
         """Remove a data file, if there is one and the system lets it go."""
