@@ -348,7 +348,7 @@ def test_a_bar_over_runs_counts_them(columns, monkeypatch):
     ("compiled", "quiet", "told"), [(False, False, 1), (True, False, 0), (False, True, 0)]
 )
 def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, stream, monkeypatch):
-    """Also where stderr is a file: it would be silent for a minute and a half."""
+    """Also where stderr is a file: it would be silent for a minute."""
     monkeypatch.setattr(compilation, "TOLD", [])
     monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
     monkeypatch.setattr("sys.stderr", stream())

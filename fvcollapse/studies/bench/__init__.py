@@ -120,7 +120,7 @@ def cost(chosen: Mapping[str, Case], effects: bool = False, all_of_them: bool = 
     seconds += 0.0 if effects else COMPILATION
     seconds += 12.0 * run_seconds(sweep_case()) if all_of_them else 0.0  # 8 on one core, 4 on two
     cases = "1 case" if len(chosen) == 1 else f"{len(chosen)} cases"
-    return f"{cases}, about {duration(seconds)}; where nothing is compiled yet, a minute and a half more"
+    return f"{cases}, about {duration(seconds)}; where nothing is compiled yet, a minute more"
 
 
 def machine() -> dict:
