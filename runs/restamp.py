@@ -19,7 +19,7 @@ from fvcollapse.output.fingerprint import solver_version
 from runs.cross_code.study import DIAGNOSIS, digest_of
 from runs.remake import files_of
 from runs.remake_tasks import TASKS
-from runs.stamps import ROOT, STAMPS, read_stamps
+from runs.stamps import ROOT, keep_stamps, read_stamps
 from runs.study import refuse
 
 ANSWERS = ("runs/cross_code/answers.json", "runs/laboratories/answers.json")
@@ -82,7 +82,7 @@ def main(arguments=None):
     for name in files_of(REPORTS):
         restamp_report(ROOT / name, options.before)
     # last: SOLVER is known as long as they name it, so that a call that was cut short can be made again
-    write_atomic(ROOT / STAMPS, (json.dumps(done, indent=1) + "\n").encode())
+    keep_stamps(ROOT, done)
     return 0
 
 

@@ -56,6 +56,11 @@ def write_stamps(root, made, about):
     OutputError
     """
     stamps = read_stamps(root) | {name: about | {"content": digest(root / name)} for name in made}
+    keep_stamps(root, stamps)
+
+
+def keep_stamps(root, stamps):
+    """Replace the stamps by these, those of files that are gone left out."""
     kept = {name: stamp for name, stamp in sorted(stamps.items()) if (root / name).exists()}
     write_atomic(root / STAMPS, (json.dumps(kept, indent=1) + "\n").encode())
 

@@ -12,13 +12,15 @@ os.environ.setdefault("MKL_NUM_THREADS", "1")
 # of two workers each compiles the half of the kernels that the other reaches last
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 if WORKER:
-    os.environ["FVCOLLAPSE_COMPILED_HALF"] = "second" if int(WORKER[2:]) % 2 else "first"
+    from fvcollapse.output.compilation import FIRST, HALF, SECOND
+
+    os.environ[HALF] = SECOND if int(WORKER[2:]) % 2 else FIRST
 
 
 @pytest.fixture(scope="session", autouse=True)
 def kernels():
     """Where two workers find no kernels on the disk, one begins with the half that the other reaches last."""
-    if os.environ.get("FVCOLLAPSE_COMPILED_HALF") == "second":
+    if WORKER and os.environ[HALF] == SECOND:
         from fvcollapse.case.case import Case
         from fvcollapse.output.compilation import share_compilation
 

@@ -105,7 +105,7 @@ def run_and_kill(calls, victim, **options):
     finally:
         ended.set()
         killer.join()
-        assert killed, "all runs have ended before one could be killed in its midst"
+    assert killed, "all runs have ended before one could be killed in its midst"
     return found, killed[0]
 
 

@@ -13,9 +13,9 @@ K is `DILATANCY_FACTOR`.
 
 `kappa_0` is a yield stress alone, mu_1 p + kappa_0: no cell pulls and the walls stay cohesionless.
 
-Limits: a loss that leaves nu_eq below `LOOSEST` is refused, and so is a law without a yield stress. With p_c and the
-loss so are a law without friction, suction (`numerics.unilateral = false`) and walls that act before the solve. A bond
-is ductile: a cell pulls with p_c as long as it opens. The loss does not depend on p_c/p.
+Limits: a law without a yield stress is refused. So is a loss that leaves nu_eq below `dilatancy.LOOSEST`. p_c and the
+loss need a law with friction and no suction (`numerics.unilateral = true`); p_c needs walls that act in the solve. A
+bond is ductile: a cell pulls with p_c as long as it opens. The loss does not depend on p_c/p.
 
 References
 ----------
@@ -30,14 +30,13 @@ from msgspec.structs import replace
 
 from fvcollapse.case.grammar import Section, key
 from fvcollapse.effects.conditions import needs_friction
-from fvcollapse.effects.dilatancy import Dilatancy
+from fvcollapse.effects.dilatancy import LOOSEST, Dilatancy
 from fvcollapse.effects.effect import PHYSICAL, Effect, Prior, with_section
 
 if TYPE_CHECKING:
     from fvcollapse.case.case import Case
 
 DILATANCY_FACTOR = 4.0  # K where no effect `dilatancy` says it, its value in SedFoam
-LOOSEST = 0.3  # nu_eq at I = 0, the least that `dilatancy.solid_fraction_critical` may be
 
 
 class Cohesion(Section):
@@ -81,7 +80,7 @@ def looser(case: "Case", loss: float) -> Dilatancy:
 
 
 def refusals(case: "Case", section: Cohesion) -> Iterator[tuple[str, str, str]]:
-    """What a case with cohesion may not be; see its three parts."""
+    """What a case with cohesion may not be; see its two parts."""
     yield from without_yield_stress(case, section)
     yield from too_loose(case, section)
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from fvcollapse.case.case import Case
 
 
+LOOSEST = 0.3  # the least solid fraction of grains that hold together
+
+
 class Dilatancy(Section):
     """Sheared grains expand or contract towards an equilibrium packing and rub more or less; mass is conserved."""
 
@@ -33,7 +36,7 @@ class Dilatancy(Section):
         key("-", "F of the friction mu(I) + F tan(psi); 1 = the work of dilation", ge=0, le=5),
     ] = 1.0
     solid_fraction_critical: Annotated[
-        float, key("-", "nu_eq of slow shear, I = 0", ge=0.3, le=0.74)
+        float, key("-", "nu_eq of slow shear, I = 0", ge=LOOSEST, le=0.74)
     ] = 0.60
     solid_fraction_slope: Annotated[
         float, key("-", "decrease of nu_eq from I = 0 to I = 1, and no further", ge=0, le=0.25)
@@ -44,7 +47,7 @@ class Dilatancy(Section):
             key(
                 "-",
                 "solid fraction at the start; absent = density_bulk / density_grain",
-                ge=0.3,
+                ge=LOOSEST,
                 le=0.74,
             ),
         ]

@@ -134,6 +134,18 @@ class KernelCache(FunctionCache):
             return self._load_overload(sig, target_context)
 
 
+def kept_types(kernel: Any) -> list[tuple] | None:
+    """Types of the arguments for which a kernel is on the disk; None where none is kept.
+
+    Raises
+    ------
+    OSError
+        Another process replaces the index (Windows).
+    """
+    files = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    return None if files is None else [types for types, *_ in files._load_index()]
+
+
 def not_kept() -> int:
     """Number of kernels that could not be kept on the disk."""
     return len(NOT_KEPT)

@@ -29,21 +29,14 @@ HALF, FIRST, SECOND = "FVCOLLAPSE_COMPILED_HALF", "first", "second"
 
 def is_compiled() -> bool:
     """Whether the kernel of the steps is on the disk, for these sources; True where none is kept."""
-    from fvcollapse.march import march  # loads the compiler
-
-    if not keeps_kernels() or march.overloads:
-        return True
-    try:
-        return bool(march._cache._cache_file._load_index())
-    except OSError:  # another process replaces it (Windows)
-        return True
-
-
-def keeps_kernels() -> bool:
-    """Whether compiled kernels are kept on the disk."""
+    from fvcollapse.files.kernel_cache import kept_types  # these load the compiler
     from fvcollapse.march import march
 
-    return hasattr(getattr(march, "_cache", None), "_cache_file")
+    try:
+        kept = kept_types(march)
+    except OSError:  # another process has compiled it, and writes it down
+        return True
+    return kept is None or bool(kept) or bool(march.overloads)
 
 
 def tell_compilation(quiet: bool, log: "Logger | None" = None) -> None:
@@ -87,8 +80,6 @@ def share_compilation(case: "Case") -> None:
     """Let two processes compile the kernels of a case that are not on the disk; see `second_half`."""
     from fvcollapse.output.second_half import compile_second_half, is_kept, simulation_types
 
-    if not keeps_kernels():
-        return
     flow, watch = simulation_types(case)
     if is_kept(flow):
         return

@@ -20,6 +20,7 @@ import numpy as np
 from numba import typeof
 
 from fvcollapse.case.case import case_from_text
+from fvcollapse.files.kernel_cache import kept_types
 from fvcollapse.march import march
 from fvcollapse.step.advance import COMPILED, balance_of
 from fvcollapse.step.constants import constants_of
@@ -49,9 +50,9 @@ def simulation_types(case: "Case") -> tuple:
 
 
 def is_kept(flow: Any) -> bool:
-    """Whether a march with this type of `Flow` is on the disk, or was compiled here."""
-    kept = [types for types, *_ in march._cache._cache_file._load_index()]
-    return any(types[0] == flow for types in (*kept, *march.overloads))
+    """Whether a march with this type of `Flow` is on the disk, or was compiled here; True where none is kept."""
+    kept = kept_types(march)
+    return kept is None or any(types[0] == flow for types in (*kept, *march.overloads))
 
 
 def compile_second_half(flow: Any, watch: Any) -> None:

@@ -87,18 +87,13 @@ def weak_words(report: "Report") -> list[str]:
             "These probabilities only rank the causes: how often such an answer is right was not tested."
         )
     else:
-        words.append(sentence(right_words(report)))
+        words.append(right_words(report))
     name, share = grid_share(report)
     if share >= MUCH:
         words.append(
             f"The grid is {percent(share)} of the variance of the {observable_words(name)}: refine it."
         )
     return words
-
-
-def sentence(text: str) -> str:
-    """The text with a capital letter."""
-    return f"{text[0].upper()}{text[1:]}"
 
 
 def is_calibrated(report: "Report") -> bool:

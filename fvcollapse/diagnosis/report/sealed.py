@@ -63,7 +63,7 @@ def right_words(report: "Report") -> str:
     own = scores.controls if has_controls else scores.alone
     kind = "with" if has_controls else "without"
     text = (
-        f"in {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}; "
+        f"In {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}; "
         f"{percent(own.confident_errors)} of all answers were wrong and claimed more than 90 %"
     )
     if has_controls:
