@@ -1,7 +1,7 @@
 """The set-ups of the synthetic experiments, and what a laboratory states of them.
 
 Every experiment of a laboratory has the same statement of its material; how well the set-up is known, and whether its
-errors are common to all experiments, is one of two `STATEMENTS`.
+errors are common to all experiments, is one of the `STATEMENTS`.
 """
 
 from collections.abc import Mapping
@@ -31,11 +31,24 @@ MATERIAL_SD = {
 
 
 class Statement(NamedTuple):
-    """What is stated of a set-up: standard deviations by case key, that of the clock [s], whether errors are common."""
+    """What is stated of a set-up.
+
+    Attributes
+    ----------
+    sd : dict
+        Case key -> standard deviation.
+    time : float
+        Standard deviation of the clock [s].
+    common : bool
+        Whether all experiments share their errors.
+    material : float
+        Standard deviations of the material, relative to `MATERIAL_SD`.
+    """
 
     sd: dict[str, float]
     time: float
     common: bool
+    material: float = 1.0
 
 
 STATEMENTS = {
@@ -59,7 +72,19 @@ STATEMENTS = {
         0.010,
         True,
     ),
+    "exact": Statement(  # no laboratory is drawn with it: a quarter of the errors of a careful one
+        {
+            "geometry.slope_angle_deg": 0.05,
+            "geometry.height_0": 0.00035,
+            "geometry.length_0": 0.000375,
+            "gate.speed": 0.025,
+        },
+        0.00125,
+        False,
+        0.25,
+    ),
 }
+LABORATORIES = ("careful", "one_tank")  # statements that worlds are drawn with
 
 
 class SetUp(NamedTuple):
@@ -175,6 +200,7 @@ def settings_text(set_up: SetUp, statement: str, quality: float = 1.0) -> str:
     """`experiment.toml` of an experiment or a control; nothing in it depends on what is hidden."""
     stated = STATEMENTS[statement]
     errors, common = errors_of(set_up, statement, quality), str(stated.common).lower()
+    material = {key: stated.material * sd for key, sd in MATERIAL_SD.items()}
     return f"""title = "synthetic collapse, {set_up.slope:g} deg, w = {100 * set_up.width:g} cm"
 source = "fvcollapse blind"
 
@@ -203,10 +229,10 @@ slope_angle_deg = {stated.sd["geometry.slope_angle_deg"]}
 height_0 = {stated.sd["geometry.height_0"]}
 length_0 = {stated.sd["geometry.length_0"]}
 speed = {stated.sd["gate.speed"]}
-mu_1 = {MATERIAL_SD["rheology.mu_1"]}
-mu_2 = {MATERIAL_SD["rheology.mu_2"]}
-I_0 = {MATERIAL_SD["rheology.I_0"]}
-mu_back_wall = {MATERIAL_SD["boundary.mu_back_wall"]}
+mu_1 = {material["rheology.mu_1"]}
+mu_2 = {material["rheology.mu_2"]}
+I_0 = {material["rheology.I_0"]}
+mu_back_wall = {material["boundary.mu_back_wall"]}
 
 [common]
 slope_angle_deg = {common}

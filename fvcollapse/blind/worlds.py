@@ -15,7 +15,7 @@ import numpy as np
 
 from fvcollapse.blind.outside import draw_smooth_error
 from fvcollapse.blind.plain_values import Force, Keys, World
-from fvcollapse.blind.set_ups import BELIEVED, MATERIAL_SD, STATEMENTS, SetUp
+from fvcollapse.blind.set_ups import BELIEVED, LABORATORIES, MATERIAL_SD, STATEMENTS, SetUp
 from fvcollapse.effects.catalogue import CATALOGUE
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def draw_world(
     -------
     dict
         `name`, `strength`, `kinds`, `effects` {name: keys}, `forces`, `readings`, `material`, `numerics`,
-        `statement` (key of `STATEMENTS`), `quality`, `common` {quantity: error in standard deviations; empty where
+        `statement` (one of `LABORATORIES`), `quality`, `common` {quantity: error in standard deviations; empty where
         every experiment has its own}, and `set_ups` of the controls.
     """
     rng = np.random.default_rng(seed)
@@ -141,7 +141,7 @@ def draw_world(
         physics = KINDS[kind](float(rng.uniform(*SIZES[strength])), rng, mu_1)
         effects |= physics.effects
         forces += physics.forces
-    statement = str(rng.choice(list(STATEMENTS)))
+    statement = str(rng.choice(LABORATORIES))
     places = sorted({place for design in style.designs for place in design})
     controls = rng.choice(places, rng.integers(1, MOST_CONTROLS + 1), replace=False)
     return {

@@ -8,6 +8,7 @@
     python -m runs.blind.study score                        opens the seal; commit runs/blind/scores.json
     python -m runs.blind.study next                         answers to a first and a next experiment of every case
     python -m runs.blind.study score_next                   opens the seal; the value of the next experiment
+    python -m runs.blind.study losses     [--cases 120]     what loses right names: open cases, made easier step by step
     python -m runs.blind.study restamp    --note "REASON"   the shipped layers, as of the present solver
 
 Every case belongs to a world, a laboratory with hidden physics and controls of its own. It is diagnosed twice, alone
@@ -54,6 +55,7 @@ from fvcollapse.files.atomic import write_atomic
 from fvcollapse.files.targets import make_folder
 from fvcollapse.studies.workers import Resources
 from runs.blind.held_out import REDUCTIONS, reduce_gaps, scores_of_reductions
+from runs.blind.losses import losses
 from runs.blind.next_value import answer_next, score_next
 from runs.blind.options import add_options, options_of, refuse_again, refuse_other_seal
 from runs.study import Study
@@ -193,6 +195,7 @@ STEPS = {
     "score": score_answers,
     "next": answer_next,
     "score_next": score_next,
+    "losses": losses,
     "restamp": restamp_verdict,
 }
 

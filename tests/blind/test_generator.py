@@ -16,7 +16,7 @@ from fvcollapse.blind.causes import (
 )
 from fvcollapse.blind.generator import draw_label, drawn_world
 from fvcollapse.blind.outside import UNKNOWNS
-from fvcollapse.blind.set_ups import SET_UPS, STATEMENTS, settings_text
+from fvcollapse.blind.set_ups import LABORATORIES, SET_UPS, STATEMENTS, settings_text
 from fvcollapse.blind.worlds import KINDS, SLIGHT, STRONG
 from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
@@ -102,7 +102,7 @@ def test_worlds_are_slight_or_strong_and_have_one_to_four_controls(style):
     worlds = [drawn_world("world_01", style, seed) for seed in range(200)]
     assert {world["strength"] for world in worlds} == {SLIGHT, STRONG}
     assert {len(world["controls"]) for world in worlds} == {1, 2, 3, 4}
-    assert {world["statement"] for world in worlds} == set(STATEMENTS)
+    assert {world["statement"] for world in worlds} == set(LABORATORIES)
     assert {kind for world in worlds for kind in world["kinds"]} == set(style.worlds)
     assert all(world["kinds"] for world in worlds if world["strength"] == STRONG)
     assert all(bool(world["common"]) == STATEMENTS[world["statement"]].common for world in worlds)
@@ -113,7 +113,8 @@ def test_nuisances_have_the_standard_deviations_that_are_stated():
     mu_1 = [label["world"]["material"]["rheology.mu_1"] for label in labels]
     assert np.mean(mu_1) == pytest.approx(0.44, abs=0.003)
     assert np.std(mu_1) == pytest.approx(0.015, rel=0.15)
-    for statement, about in STATEMENTS.items():
+    for statement in LABORATORIES:
+        about = STATEMENTS[statement]
         slopes = [
             case_from_text(each["case"]).geometry.slope_angle_deg - SET_UPS[name].slope
             for label in labels
@@ -124,7 +125,8 @@ def test_nuisances_have_the_standard_deviations_that_are_stated():
 
 
 def test_the_runs_of_a_world_share_grains_and_numerics_and_one_tank_its_errors():
-    for statement, about in STATEMENTS.items():
+    for statement in LABORATORIES:
+        about = STATEMENTS[statement]
         label = next(
             label
             for label in labels_of(NONE, BLIND, range(40))
