@@ -27,6 +27,7 @@ from runs.readme_convergence import axes, convergence, convergence_says
 from runs.readme_cost import cost_of_cases, cost_of_effects, cost_of_sweeps, cost_shares
 from runs.readme_facts import beds, facts, finer, grid, grid_rises, grid_says, grid_ways
 from runs.readme_keys import case_keys, effects, experiment_keys, priors
+from runs.readme_losses import confusion, losses
 from runs.readme_next import held_out, next_experiments, next_kinds
 from runs.readme_opened import opened_cases
 from runs.readme_paper import statements_by_verdict
@@ -59,6 +60,8 @@ PARTS = {
     "verification": verification,
     "example": diagnosis_example,
     "blind": blind_scores,
+    "blind-losses": losses,
+    "blind-confusion": confusion,
     "blind-next": next_experiments,
     "blind-next-kinds": next_kinds,
     "blind-held-out": held_out,

@@ -22,7 +22,7 @@ from fvcollapse.blind.labels import (
 )
 from fvcollapse.blind.measurement import film
 from fvcollapse.blind.other_closure import reformed
-from fvcollapse.blind.plain_values import Entry, Plan, Run, World
+from fvcollapse.blind.plain_values import Entry, Force, Plan, Run, World
 from fvcollapse.blind.seal import SEAL, canonical, refuse_count, seal_text
 from fvcollapse.blind.set_ups import SetUp, errors_of, set_up_of, settings_text
 from fvcollapse.blind.truth import View, keep_truth, view_of
@@ -81,7 +81,7 @@ def make(
         write_labels(labels, plan)
     if (folder / SEAL).exists():
         return folder / SEAL
-    work = make_folder(labels.with_name(f"{labels.name}.runs"), mode=0o700)  # it shows the causes
+    work = make_folder(work_folder(labels), mode=0o700)  # it shows the causes
     run_truths(plan, labels, draw, work, resources)
     for name, entry in plan["cases"].items():
         write_case(folder / name, entry, work / run_name(name, entry), work)
@@ -103,6 +103,11 @@ def places(folder: str | Path, labels: str | Path | None) -> tuple[Path, Path]:
     make_folder(folder, SEAL)
     make_folder(labels.parent, labels.name)
     return folder, labels
+
+
+def work_folder(labels: Path) -> Path:
+    """Folder of the truths beside a file of labels, until the suite is finished."""
+    return labels.with_name(f"{labels.name}.runs")
 
 
 def run_name(name: str, entry: Entry) -> str:
@@ -139,18 +144,7 @@ def run_truths(plan: Plan, labels: Path, draw: Draw, work: Path, resources: Reso
 
 def compute(plan: Plan, work: Path, resources: Resources) -> dict[str, NumericalError]:
     """Run the truths that are not there; return {case or world: NumericalError} of those that failed."""
-    calls, failed = {}, {}
-    for name, entry in sorted(plan["cases"].items()):
-        world = entry["label"]["world"]
-        places = {
-            (world["name"], world_name(entry)): world["controls"],
-            (name, run_name(name, entry)): entry["label"]["experiments"],
-        }
-        for (owner, place), runs in places.items():
-            for run, experiment in runs.items():
-                for name, text in texts_of(run, experiment).items():
-                    path = work / place / f"{name}.h5"
-                    calls[owner, place, name] = (text, experiment["forces"], path)
+    calls, failed = truths_of(plan, work), {}
 
     def finished(call: tuple[str, str, str], outcome: FvcollapseError | None) -> None:
         if isinstance(outcome, NumericalError):
@@ -160,6 +154,23 @@ def compute(plan: Plan, work: Path, resources: Resources) -> dict[str, Numerical
 
     run_all(keep_truth, calls, finished, *resources)
     return failed
+
+
+def truths_of(plan: Plan, work: Path) -> dict[tuple[str, str, str], tuple[str, list[Force], Path]]:
+    """{(case or world, folder, name): arguments of `keep_truth`} of all truths of a plan, below a folder."""
+    calls = {}
+    for name, entry in sorted(plan["cases"].items()):
+        world = entry["label"]["world"]
+        places = {
+            (world["name"], world_name(entry)): world["controls"],
+            (name, run_name(name, entry)): entry["label"]["experiments"],
+        }
+        for (owner, place), runs in places.items():
+            for run, experiment in runs.items():
+                for truth, text in texts_of(run, experiment).items():
+                    path = work / place / f"{truth}.h5"
+                    calls[owner, place, truth] = (text, experiment["forces"], path)
+    return calls
 
 
 def texts_of(name: str, run: Run) -> dict[str, str]:

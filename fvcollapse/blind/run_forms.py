@@ -1,5 +1,6 @@
 """The forms of one run of a label: its truth, forces, wrong readings, and the form of the response to its effects."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import msgspec
@@ -7,6 +8,12 @@ import msgspec
 Whole = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
 Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+
+
+def refuse_unpaired(waves: Sequence[object], phases: Sequence[float]) -> None:
+    """Refuse another number of phases than of waves."""
+    if len(waves) != len(phases):
+        raise ValueError("as many phases as waves")
 
 
 class LinearDrag(msgspec.Struct, tag_field="kind", tag="linear_drag"):
@@ -37,8 +44,7 @@ class UnevenFriction(msgspec.Struct, tag_field="kind", tag="uneven_friction"):
     phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
 
     def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
+        refuse_unpaired(self.waves, self.phases)
 
 
 class Pattern(msgspec.Struct):
@@ -48,8 +54,7 @@ class Pattern(msgspec.Struct):
     phases: Annotated[list[float], msgspec.Meta(min_length=1, max_length=1000)]
 
     def __post_init__(self) -> None:
-        if len(self.waves) != len(self.phases):
-            raise ValueError("as many phases as waves")
+        refuse_unpaired(self.waves, self.phases)
 
 
 class SmoothError(Pattern, tag_field="kind", tag="smooth_error"):

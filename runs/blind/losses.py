@@ -3,6 +3,7 @@
 The labels of these cases are open, so that they must not teach a verdict layer, nor be taken for a sealed suite.
 """
 
+import hashlib
 import os
 from collections import Counter
 from copy import deepcopy
@@ -15,8 +16,9 @@ from fvcollapse.blind.causes import BLIND, draw_pair, known_effects
 from fvcollapse.blind.distances import distances
 from fvcollapse.blind.evidence_file import read_evidence
 from fvcollapse.blind.labels import Draw, draw_plan, read_labels, write_labels
-from fvcollapse.blind.make import make
+from fvcollapse.blind.make import make, run_truths, truths_of, work_folder
 from fvcollapse.blind.outcomes import Outcome, best_credit, credit
+from fvcollapse.blind.seal import SEAL, canonical
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.errors import InputError
@@ -44,6 +46,8 @@ def losses(arguments):
         if not labels.exists():
             write_labels(labels, plan_of(rung, folder, arguments.cases))
         resources = Resources(arguments.workers, quiet=False)
+        if not (folder / rung / SEAL).exists():
+            run_shared_truths(labels, folder / "truths", resources)
         make(arguments.cases, folder / rung, labels, resources=resources)
         evidence = folder / f"{rung}.evidence"
         study(folder / rung, evidence, controls=True, **options_of(arguments))
@@ -78,6 +82,32 @@ def plan_of(rung, folder, count):
     return plan
 
 
+def run_shared_truths(labels, store, resources):
+    """Run the truths of a file of labels; those that another rung has run are taken from a folder.
+
+    A case that cannot be computed is drawn again, as by `make`.
+    """
+    work = make_folder(work_folder(labels), mode=0o700)
+    plan = read_labels(labels)
+    for text, forces, path in truths_of(plan, work).values():
+        link(store / truth_name(text, forces), path)
+    run_truths(plan, labels, Draw(), work, resources)
+    for text, forces, path in truths_of(plan, work).values():
+        link(path, store / truth_name(text, forces))
+
+
+def truth_name(text, forces):
+    """File name of a truth among those of all rungs."""
+    return f"{hashlib.sha256(canonical([text, forces])).hexdigest()[:32]}.h5"
+
+
+def link(source, target):
+    """Give a file that exists a second name, unless that is taken."""
+    if source.exists() and not target.exists():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        os.link(source, target)
+
+
 def rows_of(rung, evidence, labels, answered):
     """One row for every case of a rung that could be compared."""
     distance = distances(evidence, labels)
@@ -102,6 +132,7 @@ def judged(truth, answer, evidence):
     outcome = Outcome(truth, None, answer["verdict"], answer["probability"], tuple(answer["set"]))
     first = outcome.ranked()[0]
     return {
+        "verdict": answer["verdict"],
         "first": first,
         "right": credit(truth, first),
         "p_truth": answer["probability"].get(truth, 0.0),

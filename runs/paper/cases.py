@@ -3,12 +3,14 @@
 A group is a folder of tables. Names: `<law or change>_a<slope in degrees>_w<width in cm, or inf>`;
 `w` infinite is the case without lateral friction. A member is run on one or more grids: at a
 refinement r its cells are r times smaller than those the study is asked for, so that at 6 mm the
-refinements 1, 1.5, 2 and 3 are 6, 4, 3 and 2 mm. Finer grids than those listed here are chosen by
+refinements 1, 1.5, 2, 3 and 4 are 6, 4, 3, 2 and 1.5 mm. Finer grids than those listed here are chosen by
 the study where a statement asks for them (`finer.py`).
 """
 
 import math
 from typing import NamedTuple
+
+from runs.table import REFINEMENTS
 
 SLOPES = (0, 10, 16, 19, 22)  # deg
 WIDTHS = {"w10": 0.10, "w20": 0.20, "winf": math.inf}  # m
@@ -24,7 +26,7 @@ PROFILES = {  # s; profiles and interfaces of figures 3 and 4, by slope and widt
     (22, "w20"): (0.30, 1.02, 1.5, 1.8),
     (22, "winf"): (0.30, 0.32, 0.48, 0.96, 1.02, 1.5, 1.76, 1.8),
 }
-PAIR, TRIPLE, ALL = (1.0, 1.5), (1.0, 1.5, 2.0), (1.0, 1.5, 2.0, 3.0)
+PAIR, TRIPLE = (1.0, 1.5), (1.0, 1.5, 2.0)
 
 
 class Member(NamedTuple):
@@ -66,7 +68,7 @@ def lateral_friction():
     return {
         f"muI_a{slope}_{width}": Member(
             collapse(slope, width),
-            ALL
+            REFINEMENTS
             if (slope, width) == (22, "w10")
             else TRIPLE
             if (slope, width) == (22, "winf")

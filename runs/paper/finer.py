@@ -1,9 +1,9 @@
 """Which cases ask for a finer grid: those behind a statement that cannot be told for want of accuracy.
 
 A clause needs an uncertainty smaller than its distance to the limit. Where it has a larger one, the cases that it is
-made of are run on the next grid, 6 -> 4 -> 3 -> 2 mm, until it is decided or there is none. A clause on its limit,
-whose uncertainty is many times what it needs, is left: no grid would decide it. Only the reading of the paper asks:
-what others say can contradict it, and cannot decide in its place.
+made of are run on the next grid, 6 -> 4 -> 3 -> 2 -> 1.5 mm, until it is decided or there is none. A clause on its
+limit, whose uncertainty is many times what it needs, is left: no grid would decide it. Only the reading of the paper
+asks: what others say can contradict it, and cannot decide in its place.
 """
 
 import math

@@ -27,9 +27,9 @@ from runs.paper.slow_phase import search as search_slow_phase
 from runs.paper.volume import search as search_volume
 from runs.study import Study, run_in_folders
 from runs.study import main as call
-from runs.table import CURVE, CURVES, LABELS, REFINEMENTS, RUN, SCALARS, write_table
+from runs.table import CURVE, CURVES, LABELS, RUN, SCALARS, write_table
 
-MOST = 80  # of finer
+MOST, FINEST = 80, 3.0  # runs of finer, and the largest refinement that they have
 SEARCHES = {
     "slow_phase": search_slow_phase,
     "volume": search_volume,
@@ -121,9 +121,9 @@ def add_options(parser):
     parser.add_argument(
         "--finest",
         type=float,
-        default=REFINEMENTS[-1],
+        default=FINEST,
         metavar="R",
-        help="cell size over that of the finest grid that may be chosen; default 3",
+        help=f"cell size over that of the finest grid that may be chosen; default {FINEST:g}",
     )
     parser.add_argument(
         "--most",

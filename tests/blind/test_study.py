@@ -18,7 +18,7 @@ from runs.blind.study import STEPS, main
 def test_the_steps_are_those_of_an_honest_check():
     assert list(STEPS) == [
         *("training", "fit", "make", "answer", "reduce", "score"),
-        *("next", "score_next", "restamp"),
+        *("next", "score_next", "losses", "restamp"),
     ]
 
 
