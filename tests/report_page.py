@@ -1,11 +1,16 @@
 """Pages of reports for tests: what is on one, and a report of few comparisons, quick to draw."""
 
 from html.parser import HTMLParser
+from pathlib import Path
+from typing import NamedTuple
 
+import pytest
 from msgspec.structs import replace
 from report_example import FITTED, HELD_OUT, example
 
+from fvcollapse.diagnosis.report import page as page_module
 from fvcollapse.diagnosis.report.drawing import Picture
+from fvcollapse.diagnosis.report.figures import pictures
 from fvcollapse.diagnosis.report.page import write_page
 from fvcollapse.diagnosis.report.report_file import read_report, write_report
 
@@ -54,6 +59,11 @@ def small(kind="effect", experiments=(FITTED[2], HELD_OUT[0]), observables=("fro
     return replace(report, details=replace(report.details, comparisons=kept))
 
 
+def slim(report):
+    """Without the figures that depend on neither curves nor verdict, which are drawn for `page`."""
+    return replace(report, details=replace(report.details, separability=None, budget={}))
+
+
 def written(report, folder, draw=None):
     """The page of a report that went through its file."""
     write_report(report, folder)
@@ -63,3 +73,24 @@ def written(report, folder, draw=None):
 def blank(report, count):
     """In the place of figures, for a page whose words are looked at."""
     return [Picture(f"blank_{n}", b"<svg></svg>", "nothing", "") for n in range(count)]
+
+
+class DrawnPage(NamedTuple):
+    """A report with all its figures: its folder, its page, and the figures by name as they went to the page."""
+
+    folder: Path
+    page: Page
+    figures: dict
+
+
+def drawn_page(report, folder):
+    """The page of a report whose figures are drawn from its file by this process."""
+    kept = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            page_module, "pictures", lambda *found: kept.append(pictures(*found)) or kept[0]
+        )
+        page = written(report, folder)
+    return DrawnPage(
+        folder, page, {one.name: one for chapter in kept[0].values() for one in chapter}
+    )
