@@ -155,6 +155,15 @@ def film(folder, slope=16.0, width=0.10, effects=None, seed=0, swelling=0.0, **c
     return folder
 
 
+def three_films(folder, **hidden):
+    """Experiment folders of two slopes and, on the steeper one, two widths."""
+    set_ups = ((10.0, 0.1), (16.0, 0.1), (16.0, 0.2))
+    return [
+        film(folder / f"s{slope:g}_w{width:g}", slope, width, seed=number, **hidden)
+        for number, (slope, width) in enumerate(set_ups)
+    ]
+
+
 def only_numbers(folder, *rows):
     """The experiment without its curves, and with these rows of `scalars.csv`."""
     for name in CURVES:

@@ -1,4 +1,4 @@
-"""The whole diagnosis: by formula, through the command line, and with the solver and its cache."""
+"""The whole diagnosis by formula, from a call or the command line to a report."""
 
 import csv
 import json
@@ -7,23 +7,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from toy_laboratory import PlannedQuestion, ToyRunner, film, only_numbers
+from toy_laboratory import ToyRunner, film, only_numbers, three_films
 
 import fvcollapse
-from fvcollapse import load_case, load_experiment
+from fvcollapse import load_case
 from fvcollapse.__main__ import main
 from fvcollapse.diagnosis import confirmation
 from fvcollapse.diagnosis import diagnose as module
-from fvcollapse.diagnosis.baseline import baseline_cases
 from fvcollapse.diagnosis.diagnose import contenders
-from fvcollapse.diagnosis.library import build_library
 from fvcollapse.diagnosis.report import findings, read_report
 from fvcollapse.diagnosis.report.certainty import certainty
 from fvcollapse.diagnosis.report.limits import confirmation_reasons
-from fvcollapse.diagnosis.runner import Runner
 from fvcollapse.diagnosis.verdict import Verdict
-from fvcollapse.errors import NumericalError
-from fvcollapse.studies.cache import make_extract
 
 EFFECTS = "lateral_friction,cohesion,gate"
 WALLS = {"lateral_friction": {"mu_wall": 0.22, "pressure_ratio": 0.9}}
@@ -37,12 +32,7 @@ def by_formula(monkeypatch):
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("experiments")
-    set_ups = ((10.0, 0.1), (16.0, 0.1), (16.0, 0.2))
-    return [
-        film(folder / f"s{s:g}_w{w:g}", s, w, effects=WALLS, seed=n)
-        for n, (s, w) in enumerate(set_ups)
-    ]
+    return three_films(tmp_path_factory.mktemp("experiments"), effects=WALLS)
 
 
 def test_the_command_writes_a_report(by_formula, folders, monkeypatch, tmp_path, capsys):
@@ -203,6 +193,25 @@ def test_who_climbs_the_ladder():
     assert contenders(found, answer("unknown", (), chance)) == ("a", "b")
 
 
+@pytest.mark.parametrize(
+    "lacking", ["nothing", "no controls", "values", "effects", "model", "fine cells"]
+)
+def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
+    layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
+    loaded = None if lacking == "model" else layer
+    asked = []
+    load = lambda controls: asked.append(controls) or loaded  # noqa: E731
+    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(load))
+    kind = np.full(20 if lacking == "values" else 200, "value")
+    controls = () if lacking == "no controls" else (object(),)  # each has a layer
+    question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})
+    points = SimpleNamespace(kind=kind)
+    analysis = SimpleNamespace(controls=controls, points=points, evidence=None, question=question)
+    expected = layer if lacking in ("nothing", "no controls") else None
+    assert module.verdict_model_for(analysis) is expected
+    assert all(each == bool(controls) for each in asked)
+
+
 # -- bad input -----------------------------------------------------------------------------------
 
 
@@ -231,100 +240,3 @@ def test_bad_input_is_one_line(folders, tmp_path, capsys):
     blocked.write_text("", encoding="utf-8")
     assert "cannot be written" in refused(capsys, one, "--out", blocked / "out")
     assert "--out" in refused(capsys, one)
-
-
-# -- with the solver -----------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def coarse(tmp_path_factory):
-    """An experiment of a tenth of a second."""
-    folder = film(tmp_path_factory.mktemp("real") / "short", 16.0)
-    for name in ("front", "profiles", "volume", "interface"):
-        path = folder / f"{name}.csv"
-        header, *rows = path.read_text(encoding="utf-8").splitlines()
-        kept = [row for row in rows if float(row.split(",")[0]) < 0.1]
-        path.write_text("\n".join([header, *kept]) + "\n", encoding="utf-8")
-    return load_experiment(folder)
-
-
-def short_cases(experiment):
-    """The coarsest cells, and the end of the run at once."""
-    (case,) = baseline_cases([experiment], cell_size=0.028).values()
-    return {experiment.name: case.replace(**{"time.end": 0.1})}
-
-
-def test_an_interrupted_library_continues_from_the_cache(coarse, tmp_path, monkeypatch):
-    calls = []
-
-    def counted(*arguments):
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        make_extract(*arguments)
-        calls.append(arguments)
-
-    monkeypatch.setattr("fvcollapse.studies.cache.make_extract", counted)
-    question = PlannedQuestion((coarse,), planned=short_cases(coarse))
-    with pytest.raises(KeyboardInterrupt):
-        build_library(question, Runner(tmp_path), ["cohesion"], draws=4)
-    calls.clear()
-    calls.extend([None] * 5)  # past the interruption
-    runner = Runner(tmp_path)
-    found = build_library(question, runner, ["cohesion"], draws=4)
-    assert (
-        len(runner.asked) == 2 + 4 + 8
-    )  # grids, draws, levels of cohesion and one on the finer grid
-    assert len(runner.computed) == len(calls) - 5 == 14 - 4
-    again = Runner(tmp_path)
-    same = build_library(question, again, ["cohesion"], draws=4)
-    assert not again.computed
-    assert (same.samples == found.samples).all()
-    assert found.responses["cohesion"][0].differences.any()
-
-
-def test_a_failed_run_is_reported_and_not_repeated_within_a_call(coarse, tmp_path, monkeypatch):
-    def fails(case, *arguments):
-        if case.effects.cohesion is not None:
-            raise NumericalError("it blew up")
-        make_extract(case, *arguments)
-
-    monkeypatch.setattr("fvcollapse.studies.cache.make_extract", fails)
-    question = PlannedQuestion((coarse,), planned=short_cases(coarse))
-    found = build_library(question, Runner(tmp_path), ["cohesion", "bed_friction"], draws=4)
-    assert "it blew up" in found.left_out["cohesion"]
-    assert set(found.responses) == {"bed_friction"}
-
-
-def test_observation_of_the_same_flow_costs_no_run(coarse, tmp_path):
-    (case,) = short_cases(coarse).values()
-    section = {"velocity_ratio": 1.4}
-    wanted = {
-        view: (coarse, case.replace(**{"effects.transverse_profile": section | {"view": view}}))
-        for view in ("average", "wall", "centre")
-    }
-    runner = Runner(tmp_path)
-    seen, failures = runner.observations(wanted)
-    assert not failures
-    assert len(runner.asked) == len(runner.computed) == 1
-    fronts = [seen[view].front[-1, 1] for view in ("wall", "average", "centre")]
-    assert fronts == sorted(fronts)
-    assert fronts[0] < fronts[2]
-
-
-@pytest.mark.parametrize(
-    "lacking", ["nothing", "no controls", "values", "effects", "model", "fine cells"]
-)
-def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypatch):
-    layer = SimpleNamespace(judges=lambda evidence: lacking != "effects")
-    loaded = None if lacking == "model" else layer
-    asked = []
-    load = lambda controls: asked.append(controls) or loaded  # noqa: E731
-    monkeypatch.setattr(module.VerdictModel, "load", staticmethod(load))
-    kind = np.full(20 if lacking == "values" else 200, "value")
-    controls = () if lacking == "no controls" else (object(),)  # each has a layer
-    question = SimpleNamespace(coarse_cells={"film": 0.0117} if lacking == "fine cells" else {})
-    points = SimpleNamespace(kind=kind)
-    analysis = SimpleNamespace(controls=controls, points=points, evidence=None, question=question)
-    expected = layer if lacking in ("nothing", "no controls") else None
-    assert module.verdict_model_for(analysis) is expected
-    assert all(each == bool(controls) for each in asked)
