@@ -1,9 +1,6 @@
-"""What a run leaves in its folder: names, shapes, units, growth, XDMF, log, summary."""
+"""What a run leaves in its folder: names, shapes, units, growth, log, summary."""
 
-import io
 import shutil
-import sys
-import xml.etree.ElementTree as xml
 
 import h5py
 import numpy as np
@@ -13,13 +10,11 @@ from fake_simulation import FakeSimulation, height, length
 import fvcollapse
 from fvcollapse import open_result
 from fvcollapse.case.case import Case, case_from_text
-from fvcollapse.console.bars import progress_bar, runs_bar
 from fvcollapse.measure.quantities import SCALAR_UNITS
-from fvcollapse.output import compilation, stored_names
 from fvcollapse.output import run as output
+from fvcollapse.output import stored_names
 from fvcollapse.output.extract import rounded
 from fvcollapse.output.record_layout import lowest
-from fvcollapse.step.geometry import cell_fractions
 
 SERIES = [
     "time",
@@ -215,85 +210,6 @@ def test_observe_takes_the_threshold_and_origin_of_an_experiment(case, folder):
     }  # fmt: skip
 
 
-# -- XDMF --------------------------------------------------------------------------------------
-
-
-def test_xdmf_matches_the_shapes_of_the_file(folder):
-    root = xml.parse(folder / "result.xdmf").getroot()
-    assert root.get("Version") == "3.0"
-    grids = root.findall("./Domain/Grid/Grid")
-    times = [float(grid.find("Time").get("Value")) for grid in grids]
-    assert times == open_result(folder).field_times.tolist()
-    with h5py.File(folder / "result.h5") as file:
-        for grid in grids:
-            assert grid.get("GridType") == "Uniform"
-            assert grid.find("Topology").get("TopologyType") == "Quadrilateral"
-            cells = int(grid.find("Topology").get("NumberOfElements"))
-            points = dimensions(grid.find("Geometry/DataItem"))[0]
-            assert dimensions(grid.find("Topology/DataItem")) == (cells, 4)
-            for item in grid.iter("DataItem"):
-                name, path = item.text.split(":")
-                assert name == "result.h5"
-                assert dimensions(item) == file[path].shape
-                assert int(item.get("Precision")) == file[path].dtype.itemsize
-                assert (item.get("NumberType") == "Float") == (file[path].dtype.kind == "f")
-            for attribute in grid.findall("Attribute"):
-                count = dimensions(attribute.find("DataItem"))[0]
-                assert count == {"Node": points, "Cell": cells}[attribute.get("Center")]
-            names = {attribute.get("Name") for attribute in grid.findall("Attribute")}
-            assert names == {"velocity", *FIELDS} - {"u", "w"}
-
-
-def dimensions(element):
-    """The Dimensions of an XDMF element as a tuple."""
-    return tuple(int(number) for number in element.get("Dimensions").split())
-
-
-def test_the_mesh_is_the_cells_with_grains_and_its_values_are_those_of_the_fields(folder):
-    field = open_result(folder).field(2)
-    filled = cell_fractions(field["level_set"]) > 0.0
-    assert 0.1 < filled.mean() < 0.9
-    with h5py.File(folder / "result.h5") as file:
-        mesh = {name: values[:] for name, values in file["paraview/2"].items()}
-    corners = mesh["points"][mesh["cells"]]  # (cells, 4, 3)
-    sizes = np.array([field["dx"], field["dz"]])
-    i, k = np.round(corners[:, 0, :2] / sizes).astype(int).T
-    seen = np.zeros_like(filled)
-    seen[i, k] = True
-    np.testing.assert_array_equal(seen, filled)
-    assert len(i) == filled.sum()
-    u, w = field["u"], field["w"]
-    means = 0.5 * (u[:-1] + u[1:]), 0.5 * (w[:, :-1] + w[:, 1:])
-    for component, mean in enumerate(means):
-        np.testing.assert_allclose(mesh["velocity"][:, component], mean[i, k], rtol=1e-6)
-    for name in ("pressure", "viscosity", "shear_rate", "inertial_number"):
-        np.testing.assert_allclose(mesh[name], field[name][i, k], rtol=1e-6)
-    x, z = corners[..., 0], corners[..., 1]
-    area = 0.5 * (x * np.roll(z, -1, 1) - np.roll(x, -1, 1) * z).sum(axis=1)
-    np.testing.assert_allclose(area, sizes.prod(), rtol=1e-5)  # counted round each cell
-    nodes = np.round(mesh["points"][:, :2] / sizes).astype(int).T
-    np.testing.assert_allclose(mesh["level_set"], field["level_set"][tuple(nodes)], rtol=1e-6)
-
-
-def test_meshio_reads_the_grains_of_each_time(folder):
-    meshio = pytest.importorskip("meshio")
-    result = open_result(folder)
-    with meshio.xdmf.TimeSeriesReader(folder / "result.xdmf") as reader:
-        assert reader.num_steps == len(result.field_times)
-        for index in range(reader.num_steps):
-            reader.mesh_grid = reader.collection[index]  # each time has its own mesh
-            points, cells = reader.read_points_cells()
-            time, point_data, cell_data = reader.read_data(index)
-            assert time == result.field_times[index]
-            field = result.field(index)
-            grains = cell_fractions(field["level_set"]) > 0.0
-            assert len(cells[0].data) == grains.sum() == len(cell_data["velocity"][0])
-            assert cell_data["pressure"][0].max() == pytest.approx(
-                field["pressure"][grains].max(), rel=1e-6
-            )
-            assert len(points) == len(point_data["level_set"])
-
-
 def test_a_result_holds_no_references_which_differ_between_equal_runs(folder):
     """Dimension scales of HDF5 are such; `to_xarray` names the dimensions in their place."""
     with h5py.File(folder / "result.h5") as file:
@@ -302,72 +218,6 @@ def test_a_result_holds_no_references_which_differ_between_equal_runs(folder):
         assert len(objects) > 20
         for found in objects:
             assert not {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS"} & set(found.attrs)
-
-
-# -- progress ----------------------------------------------------------------------------------
-
-
-def test_progress_bar_only_on_a_terminal(case, monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    for stream, quiet, shown in (
-        (Terminal(), False, True),
-        (Terminal(), True, False),
-        (io.StringIO(), False, False),
-    ):
-        monkeypatch.setattr("sys.stderr", stream)
-        with progress_bar(case, 0.0, quiet) as bar:
-            bar.set_postfix_str("step 3, dt 1.0e-03 s", refresh=False)
-            bar.update(0.15)
-            bar.refresh()
-        text = stream.getvalue()
-        assert bool(text) == shown
-        assert not shown or ("0.150/0.300 s" in text and "step 3, dt" in text)
-
-
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
-@pytest.mark.parametrize("columns", ["80", "0"])
-def test_a_bar_over_runs_counts_them(columns, monkeypatch):
-    """Also where the terminal says that it has no columns."""
-    monkeypatch.setenv("COLUMNS", columns)
-    monkeypatch.setattr("sys.stderr", Terminal())
-    with runs_bar(4, quiet=False) as bar:
-        bar.update()
-        bar.refresh()
-        assert "1/4" in sys.stderr.getvalue()
-
-
-@pytest.mark.parametrize("stream", [Terminal, io.StringIO])
-@pytest.mark.parametrize(
-    ("compiled", "quiet", "told"), [(False, False, 1), (True, False, 0), (False, True, 0)]
-)
-def test_the_first_start_says_once_that_it_compiles(compiled, quiet, told, stream, monkeypatch):
-    """Also where stderr is a file: it would be silent for a minute."""
-    monkeypatch.setattr(compilation, "TOLD", [])
-    monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
-    monkeypatch.setattr("sys.stderr", stream())
-    compilation.tell_compilation(quiet)
-    compilation.tell_compilation(quiet)
-    assert sys.stderr.getvalue().count(compilation.NOTICE) == told
-
-
-@pytest.mark.parametrize("compiled", [False, True])
-def test_the_log_of_a_run_says_that_it_compiles(compiled, case, tmp_path, monkeypatch):
-    monkeypatch.setattr(compilation, "is_compiled", lambda: compiled)
-    output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
-    text = (tmp_path / "run.log").read_text(encoding="utf-8")
-    assert (compilation.NOTICE in text) == (not compiled)
-
-
-def test_kernels_that_have_run_are_compiled(case, tmp_path):
-    output.run_case(case.replace(**{"time.end": 0.002}), tmp_path, quiet=True)
-    assert compilation.is_compiled()
 
 
 def test_an_extract_may_round_an_erodible_layer_that_is_gone():
