@@ -157,6 +157,18 @@ class FakeSimulation:
         }
 
 
+def counted(cases):
+    """The fake simulation; each case that is started from t = 0 is added to `cases`."""
+
+    class Counted(FakeSimulation):
+        def __init__(self, case, state=None):
+            if state is None:
+                cases.append(case)
+            super().__init__(case, state)
+
+    return Counted
+
+
 def stopped(error, step=3, only=lambda case: True):
     """The present simulation, stopped before a step."""
 
