@@ -1,173 +1,24 @@
-"""What is left of a gap: whether it asks for an explanation, and how it describes itself.
+"""How what is left of a gap describes itself: its place, time and direction, and the effects that it resembles."""
 
-Gaps are made by hand on the points of a filmed collapse, so that place, time, direction and size are known.
-"""
-
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from toy_laboratory import ToyRunner, film, settings
+from gaps_by_hand import HEIGHT, stub, thickness_of, tongue
 
-from fvcollapse import load_experiment
 from fvcollapse.diagnosis import unexplained as module
-from fvcollapse.diagnosis.analysis import analyse
-from fvcollapse.diagnosis.covariance import floored
-from fvcollapse.diagnosis.emulator import Response
-from fvcollapse.diagnosis.gap_map import gap_map
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
-from fvcollapse.diagnosis.practical import CROSS_CODE, something_unexplained
-from fvcollapse.diagnosis.question import Question
-from fvcollapse.diagnosis.report.remainder import practical_of, unexplained_of
+from fvcollapse.diagnosis.report.remainder import unexplained_of
 from fvcollapse.diagnosis.report.unexplained_words import unexplained_words
 from fvcollapse.diagnosis.unexplained import unexplained
-from fvcollapse.measure.curves import curve_text
-
-HEIGHT = 0.14  # m, of the column of the toy laboratory
-EFFECTS = ("lateral_friction", "gate", "cohesion", "bed_friction")
 
 
 @pytest.fixture(scope="module")
 def points(tmp_path_factory):
-    """The points of a wedge behind a tongue 8 mm thick; the thickness is known to a fifth of a millimetre."""
-    folder = tmp_path_factory.mktemp("tongue") / "s16"
-    folder.mkdir()
-    (folder / "experiment.toml").write_text(settings(16.0, 0.1), encoding="utf-8")
-    time, place = np.linspace(0.0, 1.6, 81), np.linspace(0.0, 1.2, 121)
-    front = 0.2 + 0.8 * np.tanh(time / 0.4) ** 2
-    t, x = (grid.ravel() for grid in np.meshgrid(time, place, indexing="ij"))
-    wedge = np.maximum(0.12 * (1.0 - x / 0.5), 0.0)
-    thickness = np.where(x < np.repeat(front, len(place)), wedge + 0.008, 0.0)
-    curves = {
-        "front": np.column_stack([time, front]),
-        "profiles": np.column_stack([t, x, thickness]),
-        "volume": np.column_stack([time, 0.0 * time]),
-        "interface": np.column_stack([t, x, 0.5 * wedge]),
-    }
-    for name, rows in curves.items():
-        (folder / f"{name}.csv").write_text(curve_text(name, rows), encoding="utf-8")
-    points = Question((load_experiment(folder),)).points
-    fine = np.where(points.observable == "profiles", 2e-4, points.sigma)
-    return replace(points, sigma=fine)
+    return tongue(tmp_path_factory.mktemp("tongue") / "s16")
 
 
-def stub(points, gap, slopes=None, effects=None, controls=(), model_error=None):
-    """What an `Analysis` with this gap (N,) would be.
-
-    Parameters
-    ----------
-    slopes : (n, N) array, optional
-        Change per standard deviation of calibrated parameters.
-    effects : dict, optional
-        Name -> change (N,) at full strength.
-    controls : tuple
-    model_error : (N,) array, optional
-        Standard deviation of the error that controls leave open.
-    """
-    count = len(points)
-    slopes = np.zeros((1, count)) if slopes is None else slopes
-    measurement, calibration = np.diag(floored(points) ** 2), slopes.T @ slopes
-    covariance = measurement + calibration
-    if model_error is not None:
-        covariance = covariance + np.diag(model_error**2)
-    changes = {name: change for name, change in (effects or {}).items()}
-    responses = {
-        name: [Response.fit(np.array([[0.0], [0.5], [1.0]]), np.outer([0.0, 0.5, 1.0], change))]
-        for name, change in changes.items()
-    }
-    none = SimpleNamespace(name=NONE, difference=np.zeros(count), p_value=1e-9)
-    unknown = SimpleNamespace(name=UNKNOWN, difference=np.zeros(count), p_value=0.4)
-    return SimpleNamespace(
-        points=points,
-        gap=gap,
-        measurement=measurement,
-        numerical=np.zeros((count, count)),
-        calibration=calibration,
-        covariance=covariance,
-        kernel=np.diag(floored(points) ** 2),
-        controls=controls,
-        responses=responses,
-        evidence=SimpleNamespace(hypotheses={UNKNOWN: unknown, NONE: none}),
-        gap_map=gap_map(points, points.measured + gap, covariance, np.random.default_rng(0)),
-        seed=0,
-    )
-
-
-def thickness_of(points, size):
-    """A gap of the thickness alone, of one sign."""
-    return np.where(points.observable == "profiles", size, 0.0)
-
-
-# -- is there anything to explain? -----------------------------------------------------------------
-
-
-def analysed(folder, **hidden):
-    experiments = tuple(
-        load_experiment(film(folder / f"s{slope:g}", slope, 0.1, seed=n, **hidden))
-        for n, slope in enumerate((10.0, 16.0))
-    )
-    return analyse(Question(experiments), ToyRunner(), effects=EFFECTS)
-
-
-@pytest.fixture(scope="module")
-def swelling(tmp_path_factory):
-    """A change of the volume that no effect knows."""
-    return analysed(tmp_path_factory.mktemp("swelling"), swelling=0.08)
-
-
-def test_nothing_hidden_leaves_nothing(tmp_path):
-    left = something_unexplained(analysed(tmp_path, mu_1=0.458))
-    assert not left.is_something
-    assert not left.is_significant
-    assert left.regions == 0
-    assert left.left == left.gain == 0.0
-
-
-def test_a_hidden_change_of_volume_is_something_that_no_effect_closes(swelling):
-    left = something_unexplained(swelling)
-    assert left.is_something
-    assert left.is_significant
-    assert left.gain < 0.1
-    larger = {part.observable for part in left.practical if part.is_larger}
-    assert "volume" in larger
-    volume = next(part for part in left.practical if part.observable == "volume")
-    assert volume.beyond == pytest.approx(0.064, abs=0.01)  # 8 % times the progress of the front
-    assert volume.codes is None
-
-
-@pytest.mark.parametrize(("size", "expected"), [(0.001, False), (0.004, True)])
-def test_what_two_codes_differ_by_is_no_unknown_cause(points, size, expected):
-    """Both are significant, by five and by twenty standard deviations of every thickness."""
-    left = something_unexplained(stub(points, thickness_of(points, size)))
-    assert left.is_significant
-    assert left.regions > 0
-    thickness = next(part for part in left.practical if part.observable == "profiles")
-    assert thickness.codes == pytest.approx(CROSS_CODE["profiles"] * HEIGHT)
-    assert thickness.gap == pytest.approx(size)
-    assert left.is_practical is left.is_something is expected
-
-
-def test_controls_take_the_place_of_other_codes(points):
-    """A model that its controls show to err by 6 mm may be off by 4; without them it may not."""
-    gap = thickness_of(points, 0.004)
-    error = np.where(points.observable == "profiles", 0.006, 1e-6)
-    taught = something_unexplained(stub(points, gap, controls=("one",), model_error=error))
-    thickness = next(part for part in taught.practical if part.observable == "profiles")
-    assert thickness.controls == pytest.approx(0.006)
-    assert not thickness.is_larger
-    assert something_unexplained(stub(points, gap)).is_practical
-
-
-def test_what_a_calibration_explains_is_not_left(points):
-    slope = thickness_of(points, 0.004) * np.sin(7.0 * np.nan_to_num(points.x))
-    explained = something_unexplained(stub(points, 1.5 * slope, slopes=slope[None]))
-    assert explained.left == 0.0
-    assert not explained.is_something
-    assert something_unexplained(stub(points, 1.5 * slope)).is_something
-
-
-# -- it describes itself ---------------------------------------------------------------------------
+# -- it describes itself -------------------------------------------------------------------------
 
 
 def late_thin_layers(points, size):
@@ -246,7 +97,7 @@ def test_open_causes_without_a_region_are_not_described(points):
     assert unexplained_words(unexplained_of(found, verdict(UNKNOWN))) == told
 
 
-# -- what it resembles -----------------------------------------------------------------------------
+# -- what it resembles ---------------------------------------------------------------------------
 
 
 def test_likeness_has_a_sign_and_a_strength(points):
@@ -297,13 +148,3 @@ def test_the_response_of_an_effect_that_closes_most_is_taken_off(points):
     assert left.p_value == gate.p_value
     assert left.resembles == ()
     assert {share.place for share in left.shares} <= {module.FRONT, module.THIN}
-
-
-def test_the_report_has_the_sizes_in_practice(swelling):
-    parts = practical_of(swelling)
-    assert set(parts) == {"front", "profiles", "volume", "interface"}
-    assert parts["volume"].is_larger
-    for part in parts.values():
-        assert 0.0 <= part.beyond <= part.gap
-        assert part.share == pytest.approx((part.beyond / part.gap) ** 2)
-        assert part.controls is None
