@@ -1,5 +1,7 @@
 """Short coarse collapses that the tests of the effects compare."""
 
+import math
+
 import numpy as np
 
 from fvcollapse.case.case import Case
@@ -30,3 +32,11 @@ def centre_of_mass(simulation):
     """Abscissa of the centre of mass, m: a smooth measure of how far the grains went."""
     columns = simulation.geometry.filled.sum(1)
     return float(columns @ simulation.grid.x_centres / columns.sum())
+
+
+def volume_change(simulation):
+    """Relative change of the volume since the start."""
+    return (
+        simulation.geometry.filled.sum() * math.prod(simulation.spacing) / simulation.state.volume_0
+        - 1.0
+    )
