@@ -103,7 +103,7 @@ COMPARED = tuple(
 STATEMENTS = ("runs/paper/statements.csv", "runs/paper/statements.md")
 LABORATORY = "particle_laboratory"
 PAPER_PARTS = {  # part: CPU s
-    "lateral_friction": 250.0,
+    "lateral_friction": 800.0,
     "rough/lateral_friction": 130.0,
     "viscosity": 200.0,
     "rough/viscosity": 200.0,
