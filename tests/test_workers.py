@@ -4,6 +4,7 @@ import io
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -18,6 +19,8 @@ from fvcollapse.files.locks import exclusive
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies import workers
 from fvcollapse.studies.workers import ATTEMPTS, run_all
+
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def outcomes(task, calls, **options):
@@ -210,3 +213,33 @@ def test_worker_with_another_solver_is_refused():
     with pytest.raises(FvcollapseError, match=r"a worker with solver .*; allowed: .* 9.9"):
         workers.call("9.9", fake_tasks.double, (1,))
     assert workers.call(solver_version(), fake_tasks.double, (1,)) == 2
+
+
+LOST = """
+import sys, threading, time
+import h5py
+from h5py._objects import phil
+from fvcollapse.output.fingerprint import solver_version
+from fvcollapse.studies.workers import call
+
+open_file = h5py.File(sys.argv[1], "w")  # freed as the interpreter ends, under the lock of HDF5
+held = threading.Event()
+
+def write():
+    with phil:
+        held.set()
+        time.sleep(120.0)
+
+threading.Thread(target=call, args=(solver_version(), write, ()), daemon=True).start()
+held.wait()
+"""
+
+
+def test_a_worker_that_is_left_in_the_midst_of_a_call_ends(tmp_path):
+    """A thread that is ended inside HDF5 keeps its lock, for which the end of the interpreter would wait for ever."""
+    command = [sys.executable, "-c", LOST, str(tmp_path / "file.h5")]
+    with subprocess.Popen(command, cwd=ROOT) as program:
+        try:
+            assert program.wait(60.0) == 1
+        finally:
+            program.kill()

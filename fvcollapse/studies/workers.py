@@ -6,8 +6,10 @@ continues from its checkpoint (`run_member`). The workers of a cluster must see 
 machine (a shared file system) and have the same solver.
 """
 
+import atexit
 import os
 import sys
+import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
@@ -35,6 +37,7 @@ ATTEMPTS = 3  # a run whose worker dies this often is given up
 DEAD = object()  # the outcome of a call whose worker died, or was told to stop
 CONNECT = 10.0  # s to wait for a scheduler
 POLL = 0.1  # s between two looks for a signal
+UNFINISHED: set[threading.Thread] = set()  # daemon threads in the midst of a call
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -149,7 +152,36 @@ def call(version: str, task: Callable, arguments: tuple) -> Any:
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
         raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
-    return task(*arguments)
+    with until_the_end():
+        return task(*arguments)
+
+
+@contextmanager
+def until_the_end() -> Iterator[None]:
+    """Let this process end although a call is unfinished, where that is made by a daemon thread, as workers of Dask do.
+
+    A worker that has lost its scheduler ends in the midst of a call. If the thread is inside HDF5 then, the interpreter
+    waits for the lock of that library for ever as it ends, and the run keeps the lock of its folder.
+    """
+    thread = threading.current_thread()
+    if not thread.daemon:
+        yield
+        return
+    atexit.unregister(end_at_once)
+    atexit.register(end_at_once)
+    UNFINISHED.add(thread)
+    try:
+        yield
+    finally:
+        UNFINISHED.discard(thread)
+
+
+def end_at_once() -> None:
+    """End this process without cleaning up if a daemon thread is in the midst of a call; its checkpoints are whole."""
+    if UNFINISHED:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(1)
 
 
 def outcome_of(future: Future) -> Any:
