@@ -13,7 +13,7 @@ RUNGS = {
     "closures": "closures of real grains: effects act by their closures of the catalogue",
     "physics": "physics of the world, and the smooth error of the model",
     "numerics": "other numerics: the truth is computed on the finer grid of the diagnosis",
-    "measurement": "three quarters of all errors of measurement, set-up and material",
+    "measurement": "three quarters or more of the errors of measurement, set-up and material",
 }
 SAMPLES = 2000
 

@@ -220,7 +220,7 @@ import sys, threading, time
 import h5py
 from h5py._objects import phil
 from fvcollapse.output.fingerprint import solver_version
-from fvcollapse.studies.workers import call
+from fvcollapse.studies.workers import call_in_a_thread
 
 open_file = h5py.File(sys.argv[1], "w")  # freed as the interpreter ends, under the lock of HDF5
 held = threading.Event()
@@ -230,7 +230,7 @@ def write():
         held.set()
         time.sleep(120.0)
 
-threading.Thread(target=call, args=(solver_version(), write, ()), daemon=True).start()
+threading.Thread(target=call_in_a_thread, args=(solver_version(), write, ()), daemon=True).start()
 held.wait()
 """
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from fvcollapse.console.interruption import deferred_interrupt, raised_interrupt
 from fvcollapse.studies.pool import ProcessPool
-from fvcollapse.studies.workers import Place, executor, make_calls, one_thread, refuse_workers
+from fvcollapse.studies.workers import Place, call, executor, make_calls, one_thread, refuse_workers
 
 
 class StandingWorkers:
@@ -64,7 +64,7 @@ class StandingWorkers:
         self.start_pool()
         with deferred_interrupt(inf) as interrupted:
             try:
-                yield Place(self.pool, self.workers, interrupted)
+                yield Place(self.pool, self.workers, interrupted, call)
             except BaseException:
                 self.end_pool(cut_short=True)
                 raise

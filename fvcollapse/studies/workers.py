@@ -6,10 +6,8 @@ continues from its checkpoint (`run_member`). The workers of a cluster must see 
 machine (a shared file system) and have the same solver.
 """
 
-import atexit
 import os
 import sys
-import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
@@ -32,12 +30,12 @@ from fvcollapse.errors import FvcollapseError, InputError, NumericalError
 from fvcollapse.output.compilation import tell_compilation
 from fvcollapse.output.fingerprint import solver_version
 from fvcollapse.studies.pool import ProcessPool
+from fvcollapse.studies.unfinished import until_the_end
 
 ATTEMPTS = 3  # a run whose worker dies this often is given up
 DEAD = object()  # the outcome of a call whose worker died, or was told to stop
 CONNECT = 10.0  # s to wait for a scheduler
 POLL = 0.1  # s between two looks for a signal
-UNFINISHED: set[threading.Thread] = set()  # daemon threads in the midst of a call
 # libraries that start threads of their own read these when they are loaded
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -116,7 +114,7 @@ def make_calls(place: "Place", task: Callable, calls: dict, finished: Callable) 
             outcome = NumericalError(f"the worker died {ATTEMPTS} times (memory?)")
         finished(name, outcome)
 
-    drain(place, partial(call, solver_version(), task), calls, queue, end)
+    drain(place, partial(place.call, solver_version(), task), calls, queue, end)
 
 
 def refuse_workers(workers: int) -> None:
@@ -126,16 +124,17 @@ def refuse_workers(workers: int) -> None:
 
 
 class Place(NamedTuple):
-    """Where calls are made: an executor, how many it may hold, and a function: number of a signal, or 0."""
+    """Where calls are made: an executor, how many it may hold, a function: number of a signal, or 0, and how."""
 
     pool: Executor
     width: float
     interrupted: Callable[[], int]
+    call: Callable
 
 
 def drain(place: Place, task: Callable, calls: dict, queue: Any, end: Callable) -> Any:
     """Make the calls of the queue, as many at a time as the place holds; `end` gets each outcome."""
-    pool, width, interrupted = place
+    pool, width, interrupted = place[:3]
     running: dict[Future, Any] = {}
     while queue or running:
         while queue and len(running) < width:
@@ -152,36 +151,13 @@ def call(version: str, task: Callable, arguments: tuple) -> Any:
     if solver_version() != version:
         found = f"a worker with solver {solver_version()}"
         raise InputError("command line", "--scheduler", found, f"workers with solver {version}")
+    return task(*arguments)
+
+
+def call_in_a_thread(version: str, task: Callable, arguments: tuple) -> Any:
+    """Make one call inside a worker of a cluster, which makes it in a daemon thread."""
     with until_the_end():
-        return task(*arguments)
-
-
-@contextmanager
-def until_the_end() -> Iterator[None]:
-    """Let this process end although a call is unfinished, where that is made by a daemon thread, as workers of Dask do.
-
-    A worker that has lost its scheduler ends in the midst of a call. If the thread is inside HDF5 then, the interpreter
-    waits for the lock of that library for ever as it ends, and the run keeps the lock of its folder.
-    """
-    thread = threading.current_thread()
-    if not thread.daemon:
-        yield
-        return
-    atexit.unregister(end_at_once)
-    atexit.register(end_at_once)
-    UNFINISHED.add(thread)
-    try:
-        yield
-    finally:
-        UNFINISHED.discard(thread)
-
-
-def end_at_once() -> None:
-    """End this process without cleaning up if a daemon thread is in the midst of a call; its checkpoints are whole."""
-    if UNFINISHED:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(1)
+        return call(version, task, arguments)
 
 
 def outcome_of(future: Future) -> Any:
@@ -212,12 +188,12 @@ def executor(workers: int, scheduler: str | None) -> Iterator[Place]:
     """The `Place` of processes of this machine, or of a cluster."""
     if scheduler is not None:
         with cluster(scheduler) as client:
-            yield Place(client.get_executor(pure=False), inf, no_signal)
+            yield Place(client.get_executor(pure=False), inf, no_signal, call_in_a_thread)
     elif workers == 1:
-        yield Place(InThisProcess(), 1, no_signal)
+        yield Place(InThisProcess(), 1, no_signal, call)
     else:
         with processes(workers) as (pool, interrupted):
-            yield Place(pool, workers, interrupted)
+            yield Place(pool, workers, interrupted, call)
 
 
 def no_signal() -> int:

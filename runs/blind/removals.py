@@ -61,7 +61,8 @@ def usual_numerics(label):
 def exact_measurement(label):
     """The label of a laboratory that measures everything, its material too, with a quarter of the errors or less.
 
-    Draws in standard deviations stay, but every experiment has errors of the set-up of its own.
+    Draws of the set-up in standard deviations stay. Those of one tank stay common to all experiments, which the
+    statement does not say.
     """
     label = deepcopy(label)
     world = label["world"]
