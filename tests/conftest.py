@@ -1,9 +1,14 @@
 """What all tests share: the same random examples in every run, one thread, and no window for a figure."""
 
 import os
+import signal
 
 import hypothesis
 import pytest
+
+# under nohup too the tests are about signals that are not ignored
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 # one process for each core: more threads only wait for each other, and move the last digit

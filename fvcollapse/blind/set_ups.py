@@ -196,11 +196,15 @@ def film_of(slope: float, height: float) -> tuple[float, float]:
     return end * sqrt(height / USUAL_HEIGHT), run * height / USUAL_HEIGHT
 
 
+def material_sd(statement: str) -> dict[str, float]:
+    """{case key: standard deviation} of the material by a statement."""
+    return {key: STATEMENTS[statement].material * sd for key, sd in MATERIAL_SD.items()}
+
+
 def settings_text(set_up: SetUp, statement: str, quality: float = 1.0) -> str:
     """`experiment.toml` of an experiment or a control; nothing in it depends on what is hidden."""
-    stated = STATEMENTS[statement]
+    stated, material = STATEMENTS[statement], material_sd(statement)
     errors, common = errors_of(set_up, statement, quality), str(stated.common).lower()
-    material = {key: stated.material * sd for key, sd in MATERIAL_SD.items()}
     return f"""title = "synthetic collapse, {set_up.slope:g} deg, w = {100 * set_up.width:g} cm"
 source = "fvcollapse blind"
 

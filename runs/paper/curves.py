@@ -152,6 +152,7 @@ def filled_cells(field, cells, x):
 
 
 BASE, ALL = (1.0,), REFINEMENTS
+DRAWN = REFINEMENTS[:4]  # a column for each cell: the finest would be as large as all others
 KEPT = {  # name: (refinements it is kept of, function)
     "fronts": (ALL, fronts),
     "volume": (BASE, volume),
@@ -159,5 +160,5 @@ KEPT = {  # name: (refinements it is kept of, function)
     "viscosity": (BASE, viscosity),
     "velocity": (ALL, velocity),
     "pressure": (BASE, pressures),
-    "shear": (ALL, shear),
+    "shear": (DRAWN, shear),
 }
