@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fvcollapse.blind.next_scores import over_worlds
 from fvcollapse.blind.outcomes import class_of
 from fvcollapse.blind.score import SEPARABLE
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
@@ -15,7 +16,6 @@ RUNGS = {
     "numerics": "other numerics: the truth is computed on the finer grid of the diagnosis",
     "measurement": "three quarters or more of the errors of measurement, set-up and material",
 }
-SAMPLES = 2000
 
 
 def losses():
@@ -86,15 +86,10 @@ def gain(rows, before):
     if before is None:
         return "–"
     earlier = {row["case"]: row["right"] for row in before}
-    worlds = {}
-    for row in rows:
-        worlds.setdefault(row["world"], []).append(row["right"] - earlier[row["case"]])
-    sums = np.array([[sum(each), len(each)] for each in worlds.values()])
-    rng = np.random.default_rng(0)
-    drawn = sums[rng.integers(len(sums), size=(SAMPLES, len(sums)))].sum(axis=1)
-    low, high = np.quantile(drawn[:, 0] / drawn[:, 1], [0.025, 0.975])
-    total = sums.sum(axis=0)
-    return f"{100 * total[0] / total[1]:+.0f} % [{100 * low:+.0f}, {100 * high:+.0f}]"
+    gained = [row["right"] - earlier[row["case"]] for row in rows]
+    found = over_worlds(gained, [row["world"] for row in rows])
+    value, low, high = (100 * found[name] for name in ("value", "low", "high"))
+    return f"{value:+.0f} % [{low:+.0f}, {high:+.0f}]"
 
 
 def percent(value):

@@ -48,3 +48,15 @@ def no_wait_for_the_disk():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "fsync", lambda handle: None)
         yield
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Cases that the fake solver starts from t = 0, in order."""
+    from fake_simulation import counted
+
+    from fvcollapse.output import run as output
+
+    cases = []
+    monkeypatch.setattr(output, "Simulation", counted(cases))
+    return cases

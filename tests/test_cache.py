@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from fake_simulation import counted, stopped
+from fake_simulation import stopped
 
 import fvcollapse
 from fvcollapse import open_result
@@ -19,14 +19,6 @@ from fvcollapse.studies.cache import RunCache, cache_key
 from fvcollapse.studies.cache_folder import default_folder, ready_folder
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
-
-
-@pytest.fixture
-def started(monkeypatch):
-    """Cases that were started from t = 0, in order."""
-    cases = []
-    monkeypatch.setattr(output, "Simulation", counted(cases))
-    return cases
 
 
 # -- keys ----------------------------------------------------------------------------------------

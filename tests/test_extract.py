@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from fake_simulation import counted
 
 from fvcollapse import observe, open_result
 from fvcollapse.case.case import Case
@@ -27,14 +26,6 @@ from fvcollapse.studies import cache
 from fvcollapse.studies.cache import RunCache
 
 CASE = Case().replace(**{"grid.cell_size": 0.02, "time.end": 0.1})
-
-
-@pytest.fixture
-def started(monkeypatch):
-    """Cases that were started from t = 0, in order."""
-    cases = []
-    monkeypatch.setattr(output, "Simulation", counted(cases))
-    return cases
 
 
 def test_extract_measures_as_the_result(started, tmp_path):

@@ -4,6 +4,7 @@ import io
 import sys
 
 import pytest
+from fake_terminal import Terminal
 
 from fvcollapse.case.case import Case
 from fvcollapse.console.bars import progress_bar, runs_bar
@@ -17,10 +18,6 @@ def case():
 
 
 def test_progress_bar_only_on_a_terminal(case, monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
     for stream, quiet, shown in (
         (Terminal(), False, True),
         (Terminal(), True, False),
@@ -34,11 +31,6 @@ def test_progress_bar_only_on_a_terminal(case, monkeypatch):
         text = stream.getvalue()
         assert bool(text) == shown
         assert not shown or ("0.150/0.300 s" in text and "step 3, dt" in text)
-
-
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
 
 
 @pytest.mark.parametrize("columns", ["80", "0"])

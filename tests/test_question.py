@@ -6,7 +6,6 @@ import os
 
 import numpy as np
 import pytest
-from fake_simulation import FakeSimulation
 from same_result import differences
 
 from fvcollapse import open_result
@@ -14,7 +13,6 @@ from fvcollapse.__main__ import main
 from fvcollapse.draw import pictures
 from fvcollapse.draw.drawing import new_figure, png
 from fvcollapse.errors import InputError, OutputError
-from fvcollapse.output import run as output
 from fvcollapse.output.question import RECORD, Latitude, claim_file, claim_folder
 from fvcollapse.studies import refinement_report
 
@@ -27,20 +25,11 @@ COMMANDS = {
 
 
 @pytest.fixture
-def started(monkeypatch):
-    """Cases that were started from t = 0, in order."""
-    cases = []
-
-    class Counted(FakeSimulation):
-        def __init__(self, case, state=None):
-            if state is None:
-                cases.append(case)
-            super().__init__(case, state)
-
-    monkeypatch.setattr(output, "Simulation", Counted)
+def started(started, monkeypatch):
+    """The same, where no figure of a refinement is drawn."""
     blank = png(new_figure(0.5, 0.5))
     monkeypatch.setattr(refinement_report, "draw_png", lambda *_: blank)
-    return cases
+    return started
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import time
 
 import fake_tasks
 import pytest
+from fake_terminal import Terminal
 
 from fvcollapse.console.rounds_bar import RoundsBar
 from fvcollapse.errors import InputError, OutputError
@@ -104,11 +105,6 @@ def test_a_failure_in_a_round_ends_the_processes():
 
 
 # -- the bar -------------------------------------------------------------------------------------
-
-
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
 
 
 @pytest.mark.parametrize("columns", ["80", "0"])

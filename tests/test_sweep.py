@@ -18,21 +18,6 @@ VARY = ["--vary", "geometry.slope_angle_deg=0,16", "--vary", "rheology.mu_1=0.4,
 
 
 @pytest.fixture
-def started(monkeypatch):
-    """Cases that were started from t = 0, in order."""
-    cases = []
-
-    class Counted(FakeSimulation):
-        def __init__(self, case, state=None):
-            if state is None:
-                cases.append(case)
-            super().__init__(case, state)
-
-    monkeypatch.setattr(output, "Simulation", Counted)
-    return cases
-
-
-@pytest.fixture
 def case_file(tmp_path):
     path = tmp_path / "short.toml"
     path.write_text("time.end = 0.03\ngrid.cell_size = 0.02\n[effects.lateral_friction]\n")

@@ -1,6 +1,5 @@
 """Many calls at once: outcomes, threads, workers that die, folders that are held."""
 
-import io
 import multiprocessing
 import os
 import signal
@@ -13,6 +12,7 @@ from pathlib import Path
 
 import fake_tasks
 import pytest
+from fake_terminal import Terminal
 
 from fvcollapse.errors import FvcollapseError, InputError, NumericalError, OutputError
 from fvcollapse.files.locks import exclusive
@@ -93,10 +93,6 @@ def test_nothing_to_do():
 
 
 def test_bar_tells_runs_done_and_time_left(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
     for quiet in (False, True):
         monkeypatch.setattr(sys, "stderr", Terminal())
         outcomes(fake_tasks.threads_and_process, {n: (0.15,) for n in range(3)}, quiet=quiet)

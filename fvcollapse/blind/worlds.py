@@ -30,6 +30,7 @@ PHYSICS = {SLIGHT: (0.5, 0.5, 0.0), STRONG: (0.0, 0.6, 0.4)}  # shares of worlds
 GENTLE = ("thin_layers", "uneven_bed", "thin_layers_without_fluidity", "rubbing_walls")
 MOST_CONTROLS = 4
 QUALITY = (0.7, 1.6)  # errors of single readings, relative to those of a good camera
+STEP = 0.02  # longest time step in sqrt(height / g), before that of a world is drawn
 WAVES = 8
 BED_LENGTH = 0.08  # m over which the friction of an uneven bed varies
 
@@ -184,7 +185,7 @@ def numerics_keys(numerics: Mapping[str, float], set_up: SetUp) -> dict[str, flo
     return {
         "grid.cell_size": size,
         "grid.cell_size_z": size * numerics["stretch"],
-        "time.step_max": 0.02 * (set_up.height / 9.81) ** 0.5 * numerics["step"],
+        "time.step_max": STEP * (set_up.height / 9.81) ** 0.5 * numerics["step"],
         "numerics.shear_rate_min": numerics["shear_rate_min"],
     }
 

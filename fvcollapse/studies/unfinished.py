@@ -18,7 +18,7 @@ CHANGES = threading.Lock()  # of the handler and of the set
 
 @contextmanager
 def until_the_end() -> Iterator[None]:
-    """While a call goes on, an end of this process is one without cleaning up, with exit status 1.
+    """While a call goes on, this process ends without cleaning up, with exit status 1.
 
     What is written atomically, such as checkpoints, is whole; handlers of `atexit` registered before do not run. A call
     that begins while the interpreter is ending already is not covered.

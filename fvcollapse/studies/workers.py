@@ -124,7 +124,18 @@ def refuse_workers(workers: int) -> None:
 
 
 class Place(NamedTuple):
-    """Where calls are made: an executor, how many it may hold, a function: number of a signal, or 0, and how."""
+    """Where and how calls are made.
+
+    Attributes
+    ----------
+    pool : Executor
+    width : float
+        How many calls it may hold.
+    interrupted : function
+        () -> number of the signal that came, or 0.
+    call : function
+        Makes one call inside a worker; see `call`.
+    """
 
     pool: Executor
     width: float
@@ -134,15 +145,14 @@ class Place(NamedTuple):
 
 def drain(place: Place, task: Callable, calls: dict, queue: Any, end: Callable) -> Any:
     """Make the calls of the queue, as many at a time as the place holds; `end` gets each outcome."""
-    pool, width, interrupted = place[:3]
     running: dict[Future, Any] = {}
     while queue or running:
-        while queue and len(running) < width:
-            future = pool.submit(task, calls[queue[0]])
+        while queue and len(running) < place.width:
+            future = place.pool.submit(task, calls[queue[0]])
             running[future] = queue.popleft()
         for future in wait(running, POLL, FIRST_COMPLETED).done:
             end(running.pop(future), outcome_of(future))
-        if number := interrupted():
+        if number := place.interrupted():
             raise Interrupted(number)
 
 

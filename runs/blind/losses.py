@@ -6,7 +6,6 @@ The labels of these cases are open, so that they must not teach a verdict layer,
 import hashlib
 import os
 from collections import Counter
-from copy import deepcopy
 
 import numpy as np
 
@@ -73,7 +72,7 @@ def plan_of(rung, folder, count):
     first = next(iter(LADDER))
     if rung == first:
         return draw_plan(count, Draw(BLIND, causes(count, SEED), SEED))
-    plan = deepcopy(read_labels(folder / f"{first}.labels.json"))
+    plan = read_labels(folder / f"{first}.labels.json")
     removed = list(LADDER)[1 : list(LADDER).index(rung) + 1]
     for entry in plan["cases"].values():
         for name in removed:
@@ -145,6 +144,5 @@ def judged(truth, answer, evidence):
 
 def paired(rows):
     """Rows of the cases that every rung has answered, from the same draw."""
-    rows = list(rows)
     draws = Counter((row["case"], row["attempt"]) for row in rows)
     return [row for row in rows if draws[row["case"], row["attempt"]] == len(LADDER)]

@@ -1,4 +1,4 @@
-"""What makes a diagnosis hard, taken out of the label of a case: the hidden cause and the draws stay the same.
+"""What makes a diagnosis hard, taken out of the label of a case, whose hidden cause stays the same.
 
 Every function takes a label (see `generator.draw_label`) and returns another one, from which the case can be made
 again. `LADDER` takes one thing after the other out, so that the same cases are answered on every rung of it.
@@ -8,16 +8,16 @@ from copy import deepcopy
 from functools import partial
 
 from fvcollapse.blind.set_ups import BELIEVED, MATERIAL_SD, STATEMENTS, set_up_of
-from fvcollapse.blind.worlds import numerics_keys
+from fvcollapse.blind.worlds import STEP, numerics_keys
 from fvcollapse.case.case import Case, case_from_text
 from fvcollapse.diagnosis.baseline import CELLS, LONGEST_STEP, REFINEMENT
+from fvcollapse.measure.comparison import value_of
 
 EXACT = "exact"  # key of `STATEMENTS`
 SIZES = ("geometry.length_0", "geometry.height_0")  # of the column
 BETTER = 0.25  # errors of single readings in an exact laboratory, over those that the world was drawn with
-USUAL_STEP = (
-    0.5 * LONGEST_STEP / 0.02
-)  # longest step of the finer runs of a diagnosis, over that of a world
+# longest step of the finer runs of a diagnosis, over that of a world
+USUAL_STEP = 0.5 * LONGEST_STEP / STEP
 
 
 def catalogue_closures(label):
@@ -119,12 +119,6 @@ def drawn_closer(stated, shares, case):
         ]
         changes["geometry.polygon"] = corners
     return changes
-
-
-def value_of(case, key):
-    """The value of a key of a case."""
-    section, _, name = key.partition(".")
-    return getattr(getattr(case, section), name)
 
 
 def closer(value, stated, share):

@@ -15,6 +15,7 @@ from fvcollapse.case.case import case_from_text
 from fvcollapse.diagnosis.baseline import baseline_cases, refined
 from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.files.atomic import write_atomic
+from fvcollapse.measure.comparison import value_of
 from fvcollapse.measure.experiment import load_experiment
 from runs.blind import losses, removals
 
@@ -65,11 +66,8 @@ def test_effects_act_by_their_closures_of_the_catalogue():
 def test_the_believed_physics_has_no_effects_but_the_hidden_ones():
     label = removals.believed_physics(label_of())
     for name, run in removals.runs_of(label):
-        present = {
-            name
-            for name in known_effects()
-            if getattr(case_from_text(run["case"]).effects, name) is not None
-        }
+        effects = case_from_text(run["case"]).effects
+        present = {effect for effect in known_effects() if getattr(effects, effect) is not None}
         assert present == (set() if name in label["world"]["controls"] else {"cohesion"})
         assert run["forces"] == run["readings"] == []
     unknown = label_of(UNKNOWN)
@@ -106,8 +104,8 @@ def test_an_exact_laboratory_has_a_quarter_of_the_errors_and_says_so():
     for name, case in cases_of(easier).items():
         stated = set_up_of(name).stated()
         for key, share in shares.items():
-            far = removals.value_of(cases_of(label)[name], key) - stated[key]
-            assert removals.value_of(case, key) - stated[key] == pytest.approx(share * far), key
+            far = value_of(cases_of(label)[name], key) - stated[key]
+            assert value_of(case, key) - stated[key] == pytest.approx(share * far), key
     world = easier["world"]
     assert world["quality"] == 0.25 * label["world"]["quality"]
     assert world["material"]["rheology.mu_1"] == case.rheology.mu_1

@@ -4,10 +4,10 @@ from math import inf
 
 import numpy as np
 import pytest
-from toy_laboratory import PlannedQuestion, ToyRunner, film, three_films
+from toy_laboratory import PlannedQuestion, ToyRunner, film
 
 from fvcollapse import load_experiment
-from fvcollapse.diagnosis.baseline import baseline_cases, refined
+from fvcollapse.diagnosis.baseline import refined
 from fvcollapse.diagnosis.grid_correction import reference_level
 from fvcollapse.diagnosis.levels import design
 from fvcollapse.diagnosis.library import build_library
@@ -17,16 +17,6 @@ from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.reading import Reading
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import NumericalError
-
-
-@pytest.fixture(scope="module")
-def experiments(tmp_path_factory):
-    return tuple(map(load_experiment, three_films(tmp_path_factory.mktemp("toy"))))
-
-
-@pytest.fixture(scope="module")
-def cases(experiments):
-    return baseline_cases(experiments)
 
 
 def test_library_holds_baselines_ensemble_and_responses(experiments, cases):

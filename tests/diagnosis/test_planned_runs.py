@@ -6,9 +6,7 @@ from math import inf
 import numpy as np
 import pytest
 from msgspec.structs import replace
-from toy_laboratory import three_films
 
-from fvcollapse import load_experiment
 from fvcollapse.case.case import GRAVITY
 from fvcollapse.diagnosis.baseline import LONGEST_STEP, baseline_cases, refined, run_end
 from fvcollapse.diagnosis.emulator import monomials, richest_trend
@@ -19,17 +17,6 @@ from fvcollapse.effects.effect import NUISANCE, OBSERVATION
 from fvcollapse.errors import InputError
 from fvcollapse.measure.experiment_keys import Common
 from fvcollapse.measure.observation import flow_case
-
-
-@pytest.fixture(scope="module")
-def experiments(tmp_path_factory):
-    return tuple(map(load_experiment, three_films(tmp_path_factory.mktemp("toy"))))
-
-
-@pytest.fixture(scope="module")
-def cases(experiments):
-    return baseline_cases(experiments)
-
 
 # -- cases ---------------------------------------------------------------------------------------
 

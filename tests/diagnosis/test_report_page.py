@@ -19,27 +19,6 @@ from fvcollapse.errors import OutputError
 CHAPTERS = ("which", "far", "where", "next", "overlays", "compared", "alike", "limits", "cost")
 
 
-@pytest.fixture(scope="module")
-def report():
-    return small()
-
-
-@pytest.fixture(scope="module")
-def folder(drawn_page):
-    return drawn_page.folder
-
-
-@pytest.fixture(scope="module")
-def page(drawn_page):
-    return drawn_page.page
-
-
-@pytest.fixture(scope="module")
-def drawn(drawn_page):
-    """The figures by name."""
-    return drawn_page.figures
-
-
 # -- the page as a whole -------------------------------------------------------------------------
 
 

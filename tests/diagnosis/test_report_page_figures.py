@@ -26,22 +26,6 @@ from fvcollapse.measure.quantities import QUANTITIES
 from fvcollapse.studies.standing import StandingWorkers
 
 
-@pytest.fixture(scope="module")
-def report():
-    return small()
-
-
-@pytest.fixture(scope="module")
-def folder(drawn_page):
-    return drawn_page.folder
-
-
-@pytest.fixture(scope="module")
-def drawn(drawn_page):
-    """The figures by name."""
-    return drawn_page.figures
-
-
 def svg_text(picture):
     """The words in a figure."""
     return " ".join(" ".join(ElementTree.fromstring(picture.svg).itertext()).split())

@@ -3,7 +3,6 @@
 import pytest
 from msgspec.structs import replace
 from report_example import EFFECTS, FITTED
-from report_page import small
 
 from fvcollapse.diagnosis.names import BASELINE, WINNER
 from fvcollapse.diagnosis.report import sentences, words
@@ -12,12 +11,6 @@ from fvcollapse.diagnosis.report.regions import region_words
 from fvcollapse.diagnosis.report.schema_cause import Parameter, PriorRange
 from fvcollapse.diagnosis.report.schema_gap import Region
 from fvcollapse.diagnosis.report.tables import shown_parameter
-
-
-@pytest.fixture(scope="module")
-def report():
-    return small()
-
 
 # -- numbers -------------------------------------------------------------------------------------
 
