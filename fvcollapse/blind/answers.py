@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
 
 def answers(
-    out: str | Path, model: "VerdictModel | None" = None, simple: str | None = None
+    out: str | Path,
+    model: "VerdictModel | None" = None,
+    simple: str | None = None,
+    *,
+    alone: bool = False,
 ) -> dict[str, Answer]:
     """{case: answer} of every file of evidence in a folder.
 
@@ -31,6 +35,8 @@ def answers(
     model : VerdictModel, optional
     simple : str, optional
         Key of `SIMPLE`: the answers of that rule instead.
+    alone : bool
+        The cases were compared without their controls, see `verdict`.
     """
     answered: dict[str, Answer] = {}
     for path in sorted(Path(out).glob("*.json")):
@@ -41,7 +47,7 @@ def answers(
         if model is not None and not model.covers(evidence):
             allowed = "a verdict layer that was fitted with them: fit it again"
             raise InputError(path, "hypotheses", "effects that the model does not know", allowed)
-        answered[path.stem] = answer_of_verdict(content, verdict(evidence, model))
+        answered[path.stem] = answer_of_verdict(content, verdict(evidence, model, alone=alone))
     return answered
 
 

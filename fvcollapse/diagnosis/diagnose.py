@@ -207,7 +207,8 @@ def judge(analysis: "Analysis") -> "tuple[Analysis, Verdict, VerdictModel | None
     """(`Analysis` with all pairs that were opened, its `Verdict`, the `VerdictModel` or None)."""
     model = verdict_model_for(analysis)
     analysis, known = with_known(analysis, model)
-    return analysis, verdict(analysis.evidence, model, analysis.separability, known), model
+    separability, alone = analysis.separability, not analysis.controls
+    return analysis, verdict(analysis.evidence, model, separability, known, alone=alone), model
 
 
 def cost_of(question: Question, runner: "Runner", seconds: float) -> Cost:

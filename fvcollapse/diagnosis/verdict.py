@@ -14,6 +14,10 @@ Diagnoses with controls have a model of their own, fitted to laboratories whose 
 Without a model evidences are tempered (`temperature`), which is no calibration: probabilities are capped, and there are
 no conformal p-values. "none" is given up where it fails its predictive check at 5 %.
 
+Without controls nothing measures the error of the model in this laboratory, and another code for the same equations
+leaves gaps that look like an effect. There "none" is the answer where nothing asks for an explanation: no region of the
+gap is significant, and chance explains all points together. It is then as probable as all causes together.
+
 References
 ----------
 Vovk, Gammerman & Shafer (2005), Algorithmic Learning in a Random World (conformal prediction).
@@ -40,6 +44,7 @@ RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_RETAINED = 0.05  # and from which "none" is not given up
 CAP = 0.9  # largest probability without a model
 CLEAR = 10.0  # odds against none from which an effect is named although the check is passed
+EVEN = 0.5  # least probability of none without controls where nothing asks for an explanation
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 
 
@@ -75,6 +80,8 @@ def verdict(
     model: "VerdictModel | None" = None,
     separability: "Separability | None" = None,
     known: "Evidence | None" = None,
+    *,
+    alone: bool = False,
 ) -> Verdict:
     """The `Verdict` of an evidence.
 
@@ -89,11 +96,14 @@ def verdict(
     known : Evidence, optional
         Of the effects that the model knows, compared without the new ones; its pairs are also in
         `evidence`. Default: what `evidence` holds of them.
+    alone : bool
+        There are no controls: where nothing asks for an explanation the answer is "none".
 
     Effects that are `ruled_out` are in neither set nor answer, and the others share their probability.
     """
     answer = probable(evidence, model, separability, known)
-    return excluding(answer, ruled_out(evidence), separability)
+    answer = excluding(answer, ruled_out(evidence), separability)
+    return unasked(answer, separability) if alone and not asks(evidence) else answer
 
 
 def probable(
@@ -144,6 +154,18 @@ def excluding(
     if best in names:
         best = retained[0] if retained else UNKNOWN
     return finished(best, probability, retained, answer.conformal, separability)
+
+
+def unasked(answer: Verdict, separability: "Separability | None") -> Verdict:
+    """The `Verdict` "none", left open and with a probability of `EVEN` or more; the others share the remainder."""
+    least = max(answer.probability[NONE], EVEN)
+    others = {name: share for name, share in answer.probability.items() if name != NONE}
+    factor = (1.0 - least) / max(sum(others.values()), 1.0e-300)
+    shares = {NONE: least} | {name: factor * share for name, share in others.items()}
+    probability = in_order(shares)
+    left_open = {NONE, *answer.set}
+    retained = tuple(name for name in probability if name in left_open)
+    return finished(NONE, probability, retained, answer.conformal, separability)
 
 
 def is_clear(name: str, probability: Mapping[str, float]) -> bool:

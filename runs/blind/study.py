@@ -139,7 +139,8 @@ def answer_blind_suite(arguments):
         for name in () if controls else SIMPLE:
             answered = answers(evidence, simple=name)
             write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
-        write_answers(path, completed(answers(evidence, model), cases))
+        answered = answers(evidence, model, alone=not controls)
+        write_answers(path, completed(answered, cases))
         print(path)
 
 

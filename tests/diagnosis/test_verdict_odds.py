@@ -11,7 +11,7 @@ from fvcollapse.blind.verdict_fit import sharpness_of
 from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
-from fvcollapse.diagnosis.verdict import named, verdict
+from fvcollapse.diagnosis.verdict import EVEN, named, verdict
 from fvcollapse.diagnosis.verdict_features import asks, class_of, known_logits
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
@@ -69,6 +69,36 @@ def test_nothing_unknown_where_nothing_asks_for_an_explanation(model):
     for layer in (model, None):
         chances = [verdict(each, layer).probability[UNKNOWN] for each in (quiet, loud)]
         assert chances[0] < 0.1 < 0.4 < chances[1]
+
+
+def test_none_is_the_answer_without_controls_where_nothing_asks_for_an_explanation(model):
+    logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
+    quiet = dataclasses.replace(evidence_of(logs), left=Left(0, 0.3, 0.0))
+    for layer in (model, None):
+        controlled = verdict(quiet, layer)
+        assert controlled.effects == ("arms",)
+        found = verdict(quiet, layer, alone=True)
+        assert found.kind == NONE
+        assert found.effects == ()
+        assert found.probability[NONE] == pytest.approx(EVEN)
+        assert sum(found.probability.values()) == pytest.approx(1.0)
+        assert set(found.set) == {NONE, *controlled.set}  # what was open stays open
+        others = {name: share for name, share in controlled.probability.items() if name != NONE}
+        ratio = {name: found.probability[name] / share for name, share in others.items()}
+        assert np.ptp(list(ratio.values())) < 1e-9  # the others keep their odds
+
+
+def test_the_answer_without_controls_stands_where_something_asks_for_an_explanation(model):
+    logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
+    seen = dataclasses.replace(evidence_of(logs), left=Left(1, 3.0, 0.9))
+    failed = dataclasses.replace(evidence_of(logs, {NONE: 0.04}), left=Left(0, 0.3, 0.0))
+    sure = dataclasses.replace(evidence_of(logs | {NONE: 40.0}), left=Left(0, 0.3, 0.0))
+    for evidence in (seen, failed):
+        assert verdict(evidence, model, alone=True) == verdict(evidence, model)
+        assert verdict(evidence, alone=True) == verdict(evidence)
+    assert verdict(sure, model, alone=True).probability[NONE] == pytest.approx(
+        verdict(sure, model).probability[NONE]
+    )  # never less probable than it was
 
 
 @pytest.mark.parametrize("factor", [0.25, 0.5, 0.9])
