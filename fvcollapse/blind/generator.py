@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fvcollapse.blind.causes import Style, draw_effect
+from fvcollapse.blind.causes import Style, draw_effect, draw_pair
 from fvcollapse.blind.other_closure import draw_form
 from fvcollapse.blind.outside import UNKNOWNS
 from fvcollapse.blind.plain_values import Drawn, Form, Keys, Label, Outside, Run, World
@@ -26,6 +26,10 @@ END_MARGIN = 0.03  # s after the last frame
 CLOCK_MARGIN = 1.15  # factor on the end where a clock may be slow
 
 
+class NoDrawError(ValueError):
+    """No draw of a cause or of a world fits together."""
+
+
 def drawn_world(
     name: str, style: Style, seed: int, cells: tuple[float, float] | None = None
 ) -> World:
@@ -33,8 +37,7 @@ def drawn_world(
 
     Raises
     ------
-    ValueError
-        No draw fits together.
+    NoDrawError
     """
     for attempt in range(TRIES):
         world = draw_world(name, style, [seed, attempt], cells)
@@ -48,7 +51,7 @@ def drawn_world(
             }
         except CaseError:  # values that cannot be together
             continue
-    raise ValueError(f"{TRIES} draws of {name} do not fit together")
+    raise NoDrawError(f"{TRIES} draws of {name} do not fit together")
 
 
 def draw_label(
@@ -72,6 +75,10 @@ def draw_label(
     dict
         `cause`, `unknown_kind` (None unless unknown), `effects` {name: `draw_effect`}, `form` (of the response to
         them; None: that of the catalogue), `outside`, `world`, and `draw_run` for each of the `experiments`.
+
+    Raises
+    ------
+    NoDrawError
     """
     for attempt in range(TRIES):
         rng = np.random.default_rng([seed, attempt])
@@ -79,7 +86,29 @@ def draw_label(
             return try_label(cause, style, rng, world, design)
         except CaseError:  # values that cannot be together
             continue
-    raise ValueError(f"{TRIES} draws for {cause} do not fit together")
+    raise NoDrawError(f"{TRIES} draws for {cause} do not fit together")
+
+
+def draw_fitting_label(cause: str, style: Style, seed: int, world: World) -> Label:
+    """As `draw_label`; two effects that cannot act together in a world are replaced by two others.
+
+    The solver refuses some closures beside each other, and in some worlds these are the only ones that are drawn.
+
+    Raises
+    ------
+    NoDrawError
+        Of a cause that is not two effects.
+    """
+    others = np.random.default_rng([seed, TRIES])  # no attempt of `draw_label` has it
+    while True:
+        try:
+            return draw_label(cause, style, seed, world)
+        except NoDrawError:
+            if "+" not in cause:
+                raise
+        cause = draw_pair(others)
+        while set(cause.split("+")) & set(world["effects"]):
+            cause = draw_pair(others)
 
 
 def try_label(
@@ -117,8 +146,7 @@ def draw_added(label: Label, set_up: SetUp, seed: Sequence[int]) -> Run:
 
     Raises
     ------
-    ValueError
-        No draw fits together.
+    NoDrawError
     """
     for attempt in range(TRIES):
         rng = np.random.default_rng([*seed, attempt])
@@ -127,7 +155,7 @@ def draw_added(label: Label, set_up: SetUp, seed: Sequence[int]) -> Run:
             return draw_run(set_up, *hidden, rng, label["form"])
         except CaseError:  # values that cannot be together
             continue
-    raise ValueError(f"{TRIES} draws of {set_up} do not fit together")
+    raise NoDrawError(f"{TRIES} draws of {set_up} do not fit together")
 
 
 def draw_run(

@@ -13,7 +13,7 @@ import numpy as np
 
 from fvcollapse.blind.causes import BLIND, Style, dealt, draw_classes
 from fvcollapse.blind.forms import label_problems, read_form, refuse_names
-from fvcollapse.blind.generator import draw_label, drawn_world
+from fvcollapse.blind.generator import draw_fitting_label, drawn_world
 from fvcollapse.blind.plain_values import Entry, Plan
 from fvcollapse.blind.worlds import world_seeds
 from fvcollapse.case.case import case_from_text
@@ -85,7 +85,7 @@ def draw_plan(count: int, draw: Draw) -> Plan:
             "seed": seed,
             "world_seed": seeds[name],
             "attempt": 0,
-            "label": draw_label(cause, draw.style, seed, worlds[name]),
+            "label": draw_fitting_label(cause, draw.style, seed, worlds[name]),
         }
     return {
         "format": LABELS_FORMAT,
@@ -96,11 +96,11 @@ def draw_plan(count: int, draw: Draw) -> Plan:
 
 
 def draw_again(entry: Entry, draw: Draw) -> None:
-    """Draw the label of an entry again, with the same cause in the same world."""
+    """Draw the label of an entry again in the same world, with the same cause if it fits."""
     entry["attempt"] += 1
     label = entry["label"]
     seed = entry["seed"] + entry["attempt"]
-    entry["label"] = draw_label(label["cause"], draw.style, seed, label["world"])
+    entry["label"] = draw_fitting_label(label["cause"], draw.style, seed, label["world"])
 
 
 def draw_world_again(plan: Plan, name: str, draw: Draw) -> None:
@@ -116,7 +116,7 @@ def draw_world_again(plan: Plan, name: str, draw: Draw) -> None:
         world = drawn_world(name, draw.style, seed, draw.cells)
     for entry in entries:
         seed = entry["seed"] + entry["attempt"]
-        entry["label"] = draw_label(entry["label"]["cause"], draw.style, seed, world)
+        entry["label"] = draw_fitting_label(entry["label"]["cause"], draw.style, seed, world)
 
 
 def write_labels(path: str | Path, plan: Plan) -> None:

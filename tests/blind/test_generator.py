@@ -14,7 +14,12 @@ from fvcollapse.blind.causes import (
     draw_effect,
     known_effects,
 )
-from fvcollapse.blind.generator import draw_label, drawn_world
+from fvcollapse.blind.generator import (
+    NoDrawError,
+    draw_fitting_label,
+    draw_label,
+    drawn_world,
+)
 from fvcollapse.blind.outside import UNKNOWNS
 from fvcollapse.blind.set_ups import LABORATORIES, SET_UPS, STATEMENTS, settings_text
 from fvcollapse.blind.worlds import KINDS, SLIGHT, STRONG
@@ -56,6 +61,21 @@ def test_every_cause_makes_cases_that_the_solver_accepts(cause, style):
             case = case_from_text(each["case"])
             acting = {name for name in CATALOGUE if getattr(case.effects, name) is not None}
             assert acting == expected
+
+
+def test_two_effects_that_no_draw_joins_in_a_world_are_replaced_by_two_others():
+    """Adhesion wants implicit friction of the walls; these worlds draw the split one, or what thin layers exclude."""
+    pair, seed = "cohesion+lateral_friction", 0
+    while (world := drawn_world("world_01", BLIND, seed))["effects"].keys() != {"thin_layer"}:
+        seed += 1
+    with pytest.raises(NoDrawError, match="cohesion.lateral_friction do not fit together"):
+        draw_label(pair, BLIND, 7, world)
+    label = draw_fitting_label(pair, BLIND, 7, world)
+    assert draw_fitting_label(pair, BLIND, 7, world) == label
+    assert "+" in label["cause"] != pair
+    assert set(label["effects"]) == set(label["cause"].split("+"))
+    assert "thin_layer" not in label["effects"]
+    assert draw_fitting_label("gate", BLIND, 7, world) == draw_label("gate", BLIND, 7, world)
 
 
 def test_a_label_is_a_function_of_its_seed_and_survives_json():
