@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import Report, Separability
 
 NAME_WIDTH = 22  # letters in a line
+SECOND_LINE = 0.6  # height of one more line of a name, in rows
 EVIDENCE_LEAST = -30.0  # ln: what is worse is drawn here, with its number
 
 
@@ -23,10 +24,11 @@ def evidence(report: "Report") -> "Picture":
     """Probabilities of all hypotheses, and their ln evidence with its change under wider priors."""
     verdict, hypotheses = report.verdict, report.details.hypotheses
     names = [name for name, _ in ranking(report)][::-1]
-    lines = sum(broken(hypothesis_name(name), NAME_WIDTH).count("\n") for name in names)
-    figure = new_figure(WIDTH, 0.9 + 0.25 * len(names) + 0.12 * lines)
+    labels = [broken(hypothesis_name(name), NAME_WIDTH) for name in names]
+    heights = np.array([1.0 + SECOND_LINE * label.count("\n") for label in labels])
+    rows = np.cumsum(heights) - 0.5 * heights
+    figure = new_figure(WIDTH, 0.9 + 0.25 * heights.sum())
     left, right = figure.subplots(1, 2, sharey=True)
-    rows = range(len(names))
     chances = 100.0 * np.array([verdict.probability[name] for name in names])
     colours = [BLUE if name in verdict.set else "#b9c4cc" for name in names]
     left.barh(rows, chances, color=colours, height=0.7)
@@ -36,8 +38,8 @@ def evidence(report: "Report") -> "Picture":
         place = {"ha": "right" if inside else "left", "va": "center", "fontsize": 7.5}
         text = f" {percent(chance)} "
         left.text(100.0 * chance, row, text, color="white" if inside else "black", **place)
-    left.set_yticks(rows, [plain(broken(hypothesis_name(name), NAME_WIDTH)) for name in names])
-    left.set(xlim=(0.0, 100.0), xlabel="probability (%)")
+    left.set_yticks(rows, [plain(label) for label in labels])
+    left.set(xlim=(0.0, 100.0), ylim=(0.0, heights.sum()), xlabel="probability (%)")
     known = [h.log_evidence for h in hypotheses.values() if h.log_evidence is not None]
     best = max(known, default=0.0)
     for row, name in zip(rows, names, strict=True):
@@ -55,7 +57,7 @@ def evidence(report: "Report") -> "Picture":
     return picture(figure, "evidence", alt, "Probability and evidence of each hypothesis")
 
 
-def draw_evidence(axes: "Axes", row: int, own: float, wide: float | None, best: float) -> None:
+def draw_evidence(axes: "Axes", row: float, own: float, wide: float | None, best: float) -> None:
     """Evidence (ln) relative to the best: `own` filled, `wide`, with priors twice as wide, open."""
     value = own - best
     shown = max(value, EVIDENCE_LEAST)
