@@ -39,6 +39,7 @@ from runs.readme_particles import (
     validation,
 )
 from runs.readme_reports import (
+    cross_code,
     diagnosis_example,
     laboratories,
     laboratory_columns,
@@ -104,6 +105,7 @@ PARTS = {
     "laboratory-columns": laboratory_columns,
     "paper": statements_by_verdict,
     "laboratories": laboratories,
+    "cross-code": cross_code,
 }
 PART = re.compile(r"<!-- begin: (?P<command>[^\n]*) -->\n(?P<body>.*?)<!-- end -->\n", re.DOTALL)
 

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from fvcollapse.diagnosis.names import NONE
 from fvcollapse.diagnosis.report import read_report
 from fvcollapse.diagnosis.report.sentences import answer, headline
 from fvcollapse.diagnosis.report.words import wrapped
@@ -110,3 +111,43 @@ def diagnosis_example():
     shown = [line for line in answer(report) if not line.startswith(LATER)]
     lines = [wrapped(line, TEXT_WIDTH) for line in (headline(report), *shown)]
     return "\n".join(["```text", *lines, "```\n"])
+
+
+# -- another code --------------------------------------------------------------------------------
+
+
+def cross_code():
+    """What a diagnosis says of another code in which nothing is hidden."""
+    heading = (
+        "question",
+        "called",
+        "most probable cause",
+        "in the set",
+        "regions",
+        "rms of thickness and front, in combined uncertainties",
+    )
+    lines = [
+        (f"`{name}`", *called_cells(answer))
+        for name, answer in stored("cross_code", "answers.json").items()
+    ]
+    return table(heading, lines)
+
+
+def called_cells(answer):
+    """Cells of an answer: what is called, the most probable cause, the set, regions, sizes of the gap."""
+    called = "+".join(answer["effects"]) or answer["verdict"]
+    cause, chance = likeliest_cause(answer)
+    ratio = answer["ratio"]
+    return (
+        f"{called if called == NONE else f'**{called}**'} {answer['probability'][called]:.2f}",
+        f"{cause} {chance:.2f}",
+        str(len(answer["set"])),
+        str(answer["regions"]),
+        f"{ratio['profiles']:.2f}, {ratio['front']:.2f}",
+    )
+
+
+def likeliest_cause(answer):
+    """(name, probability) of the most probable hypothesis but "none"."""
+    causes = {name: chance for name, chance in answer["probability"].items() if name != NONE}
+    return max(causes.items(), key=lambda item: item[1])

@@ -9,6 +9,7 @@ from runs.paper.settled import ON_BED, ON_FRONT
 from runs.paper.verdicts import CONFIRMED, OPEN, REFUTED
 from runs.readme_acceptance import NARROW, READ, WIDE, between
 from runs.readme_acceptance import rows_of as acceptance
+from runs.readme_reports import likeliest_cause
 from runs.readme_tables import require, rounded, signed, span, stored, table
 from runs.table import RUNS, read_table
 
@@ -201,6 +202,18 @@ def names():
     )
 
 
+def null():
+    """What is called none of the collapses of another code in which nothing is hidden."""
+    answers = stored("cross_code", "answers.json").values()
+    none = sum(answer["verdict"] == NOTHING[0] for answer in answers)
+    wrong = max(likeliest_cause(answer)[1] for answer in answers)
+    return (
+        "the diagnosis names nothing where nothing is hidden and another code is the laboratory",
+        f"none is the answer to {none} of {len(answers)} questions without controls; the most probable wrong name has "
+        f"{rounded(wrong, 0, PERCENT)} %",
+    )
+
+
 def percent(score):
     """A share of the scores in %."""
     return f"{rounded(score['value'], 0, PERCENT)} %"
@@ -216,4 +229,5 @@ ROWS = (
     (laboratories, ("laboratories", "runs/laboratories/README.md")),
     (paper, ("paper", "runs/paper/README.md")),
     (names, ("diagnosis", "fvcollapse/diagnosis/README.md#how-good-it-is")),
+    (null, ("another code", "runs/cross_code/README.md#answers")),
 )
