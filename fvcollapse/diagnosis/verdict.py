@@ -15,8 +15,9 @@ Without a model evidences are tempered (`temperature`), which is no calibration:
 no conformal p-values. "none" is given up where it fails its predictive check at 5 %.
 
 Without controls nothing measures the error of the model in this laboratory, and another code for the same equations
-leaves gaps that look like an effect. There "none" is the answer where nothing asks for an explanation: no region of the
-gap is significant, and chance explains all points together. It is then as probable as all causes together.
+leaves gaps that look like an effect. There "none" is the answer where the model agrees: no region of the gap is
+significant, chance explains all points together, and no observable is off by more than what two codes differ by. "None"
+is then as probable as all causes together.
 
 References
 ----------
@@ -32,7 +33,14 @@ from fvcollapse.diagnosis.evidence import CHECK_PASSED
 from fvcollapse.diagnosis.names import EFFECT, NONE, SEVERAL, UNKNOWN, effects_of
 from fvcollapse.diagnosis.new_effects import new_hypotheses, smallest_set, with_new, without
 from fvcollapse.diagnosis.sign import ruled_out
-from fvcollapse.diagnosis.verdict_features import QUIET, asks, balance_logit, class_of, temperature
+from fvcollapse.diagnosis.verdict_features import (
+    QUIET,
+    agrees,
+    asks,
+    balance_logit,
+    class_of,
+    temperature,
+)
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
 if TYPE_CHECKING:
@@ -44,7 +52,7 @@ RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_RETAINED = 0.05  # and from which "none" is not given up
 CAP = 0.9  # largest probability without a model
 CLEAR = 10.0  # odds against none from which an effect is named although the check is passed
-EVEN = 0.5  # least probability of none without controls where nothing asks for an explanation
+EVEN = 0.5  # least probability of none without controls where the model agrees
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 
 
@@ -97,13 +105,13 @@ def verdict(
         Of the effects that the model knows, compared without the new ones; its pairs are also in
         `evidence`. Default: what `evidence` holds of them.
     alone : bool
-        There are no controls: where nothing asks for an explanation the answer is "none".
+        There are no controls: where the model agrees the answer is "none".
 
     Effects that are `ruled_out` are in neither set nor answer, and the others share their probability.
     """
     answer = probable(evidence, model, separability, known)
     answer = excluding(answer, ruled_out(evidence), separability)
-    return unasked(answer, separability) if alone and not asks(evidence) else answer
+    return agreeing(answer, separability) if alone and agrees(evidence) else answer
 
 
 def probable(
@@ -156,7 +164,7 @@ def excluding(
     return finished(best, probability, retained, answer.conformal, separability)
 
 
-def unasked(answer: Verdict, separability: "Separability | None") -> Verdict:
+def agreeing(answer: Verdict, separability: "Separability | None") -> Verdict:
     """The `Verdict` "none", left open and with a probability of `EVEN` or more; the others share the remainder."""
     least = max(answer.probability[NONE], EVEN)
     others = {name: share for name, share in answer.probability.items() if name != NONE}

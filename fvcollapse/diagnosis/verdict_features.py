@@ -21,6 +21,7 @@ TEMPERATURE = 10.0  # without a model
 NEAR = 20.0  # logarithm of an evidence ratio up to which it counts in proportion
 LEAST_SHARE = 1.0e-3
 QUIET = 5.0  # logarithm of the odds against something unknown where nothing asks for an explanation
+HONEST = 1.0  # size of what is left over an honest error of the model, up to which the model agrees
 LEAST_RATIO, MOST_RATIO = (
     0.05,
     20.0,
@@ -147,6 +148,12 @@ def asks(evidence: "Evidence") -> bool:
     """Whether anything asks for an explanation: a significant region of the gap, or all points taken together."""
     left = evidence.left
     return left is None or left.regions > 0 or evidence.hypotheses[NONE].p_value < CHECK_PASSED
+
+
+def agrees(evidence: "Evidence") -> bool:
+    """Whether nothing asks for an explanation, and no more is left than an honest error of the model."""
+    left = evidence.left
+    return left is not None and left.practical <= HONEST and not asks(evidence)
 
 
 def balance_logit(evidence: "Evidence", name: str) -> float:

@@ -8,7 +8,7 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN, WINNER
 from fvcollapse.diagnosis.report import sentences
 from fvcollapse.diagnosis.report import standing as module
 from fvcollapse.diagnosis.report.bars import ranking_note
-from fvcollapse.diagnosis.report.certainty import UNASKED, certainty
+from fvcollapse.diagnosis.report.certainty import AGREES, certainty
 from fvcollapse.diagnosis.report.schema import HypothesisSummary
 
 
@@ -56,18 +56,18 @@ def test_nothing_is_needed_only_where_nothing_is_left():
     assert module.standing(report_with(probability, p_value=0.01)).state == module.OPEN
 
 
-def test_half_of_the_probability_for_none_is_explained_where_nothing_asks_and_no_control_measures():
+def test_half_of_the_probability_for_none_is_explained_where_the_model_agrees_and_no_control_measures():
     probability = spread(none=0.5, cohesion=0.33)
-    unasked = report_with(probability, p_value=0.4)
-    controlled = replace(unasked, details=replace(unasked.details, expected={"front": 0.01}))
-    assert UNASKED[1:] in certainty(unasked)
-    assert UNASKED[1:] not in certainty(controlled)
+    agreeing = report_with(probability, p_value=0.4)
+    controlled = replace(agreeing, details=replace(agreeing.details, expected={"front": 0.01}))
+    assert AGREES[1:] in certainty(agreeing)
+    assert AGREES[1:] not in certainty(controlled)
     others = {"cohesion": HypothesisSummary(9.0), NONE: HypothesisSummary(2.0, predictive_p=0.4)}
-    for report, told in ((unasked, True), (controlled, False)):
+    for report, told in ((agreeing, True), (controlled, False)):
         details = replace(report.details, hypotheses=others)
         note = ranking_note(replace(report, details=details))
         assert note.startswith("By its evidence alone cohesion would be first, by 7.0")
-        assert (UNASKED in note) == told
+        assert (AGREES in note) == told
 
 
 def test_a_five_way_draw_names_no_cause():

@@ -71,7 +71,7 @@ def test_nothing_unknown_where_nothing_asks_for_an_explanation(model):
         assert chances[0] < 0.1 < 0.4 < chances[1]
 
 
-def test_none_is_the_answer_without_controls_where_nothing_asks_for_an_explanation(model):
+def test_none_is_the_answer_without_controls_where_the_model_agrees(model):
     logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
     quiet = dataclasses.replace(evidence_of(logs), left=Left(0, 0.3, 0.0))
     for layer in (model, None):
@@ -88,12 +88,14 @@ def test_none_is_the_answer_without_controls_where_nothing_asks_for_an_explanati
         assert np.ptp(list(ratio.values())) < 1e-9  # the others keep their odds
 
 
-def test_the_answer_without_controls_stands_where_something_asks_for_an_explanation(model):
+def test_the_answer_without_controls_stands_where_the_model_does_not_agree(model):
     logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
     seen = dataclasses.replace(evidence_of(logs), left=Left(1, 3.0, 0.9))
     failed = dataclasses.replace(evidence_of(logs, {NONE: 0.04}), left=Left(0, 0.3, 0.0))
     sure = dataclasses.replace(evidence_of(logs | {NONE: 40.0}), left=Left(0, 0.3, 0.0))
-    for evidence in (seen, failed):
+    large = dataclasses.replace(evidence_of(logs), left=Left(0, 1.1, 0.0))
+    untold = evidence_of(logs)
+    for evidence in (seen, failed, large, untold):
         assert verdict(evidence, model, alone=True) == verdict(evidence, model)
         assert verdict(evidence, alone=True) == verdict(evidence)
     assert verdict(sure, model, alone=True).probability[NONE] == pytest.approx(

@@ -8,8 +8,8 @@ from fvcollapse.diagnosis.report.sealed import right_words
 from fvcollapse.diagnosis.report.standing import (
     NOTHING,
     OPEN,
+    agrees_alone,
     beside,
-    is_unasked,
     may_be_named,
     standing,
 )
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import Confirmation, Report
     from fvcollapse.diagnosis.report.standing import Standing
 
-UNASKED = (
-    "without controls an effect that leaves no significant gap cannot be told from an error of the model, so that no "
-    "missing effect has half of the probability or more"
+AGREES = (
+    "without controls a gap that is neither significant nor larger than what two codes for the same equations differ "
+    "by cannot be told from an error of the model, so that no missing effect has half of the probability or more"
 )
 NEXT = 0.05  # probability from which another cause is named after the first
 MUCH = 0.5  # share of the grid in the variance of a gap that is worth a sentence
@@ -68,7 +68,7 @@ def probability_words(report: "Report", stand: "Standing") -> str:
         return (
             f"the data ask for nothing, and exclude little: no missing effect has {percent(shares[NONE])}, and all "
             f"other hypotheses share the rest{following}."
-        ) + (f" {UNASKED[0].upper()}{UNASKED[1:]}." if is_unasked(report) else "")
+        ) + (f" {AGREES[0].upper()}{AGREES[1:]}." if agrees_alone(report) else "")
     both = " (each alone or with another cause)" if len(causes) > 1 else ""
     return f"{stated}{both}{following}."
 

@@ -205,9 +205,10 @@ def is_rejected(report: "Report") -> bool:
     return none is not None and none.predictive_p is not None and none.predictive_p < CHECK_PASSED
 
 
-def is_unasked(report: "Report") -> bool:
-    """Whether there are no controls and nothing asks for an explanation, see `verdict.unasked`."""
-    return not (report.details.expected or report.where or is_rejected(report))
+def agrees_alone(report: "Report") -> bool:
+    """Whether there are no controls and the model agrees, see `verdict.agreeing`."""
+    larger = any(part.is_larger for part in report.details.practical.values())
+    return not (report.details.expected or report.where or larger or is_rejected(report))
 
 
 def supports(report: "Report", cause: str) -> bool:
