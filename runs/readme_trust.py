@@ -209,8 +209,8 @@ def null():
     wrong = max(likeliest_cause(answer)[1] for answer in answers)
     return (
         "the diagnosis names nothing where nothing is hidden and another code is the laboratory",
-        f"none is the answer to {none} of {len(answers)} questions without controls; the most probable wrong name has "
-        f"{rounded(wrong, 0, PERCENT)} %",
+        f"none is the answer to {none} of {len(answers)} questions without controls, by a rule that was made after "
+        f"them; the most probable cause has {rounded(wrong, 0, PERCENT)} %",
     )
 
 

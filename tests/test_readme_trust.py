@@ -91,4 +91,4 @@ def test_the_answers_to_another_code_are_none_or_stand_out(monkeypatch):
     assert "| `b` | **gate** 0.66 | gate 0.66 | 1 | 0 | 0.67, 0.51 |" in lines
     told = readme_trust.null()[1]
     assert told.startswith("none is the answer to 1 of 2 questions without controls")
-    assert told.endswith("the most probable wrong name has 66 %")
+    assert told.endswith("the most probable cause has 66 %")

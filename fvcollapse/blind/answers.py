@@ -25,7 +25,7 @@ def answers(
     model: "VerdictModel | None" = None,
     simple: str | None = None,
     *,
-    alone: bool = False,
+    controls: bool = True,
 ) -> dict[str, Answer]:
     """{case: answer} of every file of evidence in a folder.
 
@@ -35,8 +35,8 @@ def answers(
     model : VerdictModel, optional
     simple : str, optional
         Key of `SIMPLE`: the answers of that rule instead.
-    alone : bool
-        The cases were compared without their controls, see `verdict`.
+    controls : bool
+        Whether the cases were compared with their controls, see `verdict`.
     """
     answered: dict[str, Answer] = {}
     for path in sorted(Path(out).glob("*.json")):
@@ -47,7 +47,9 @@ def answers(
         if model is not None and not model.covers(evidence):
             allowed = "a verdict layer that was fitted with them: fit it again"
             raise InputError(path, "hypotheses", "effects that the model does not know", allowed)
-        answered[path.stem] = answer_of_verdict(content, verdict(evidence, model, alone=alone))
+        answered[path.stem] = answer_of_verdict(
+            content, verdict(evidence, model, controls=controls)
+        )
     return answered
 
 

@@ -90,17 +90,15 @@ def draw_label(
 
 
 def draw_fitting_label(cause: str, style: Style, seed: int, world: World) -> Label:
-    """As `draw_label`; two effects that cannot act together in a world are replaced by two others.
-
-    The solver refuses some closures beside each other, and in some worlds these are the only ones that are drawn.
+    """As `draw_label`; where every draw of two effects is refused in a world, two others are drawn.
 
     Raises
     ------
     NoDrawError
-        Of a cause that is not two effects.
+        A cause that is not two effects, or no two effects, fit.
     """
     others = np.random.default_rng([seed, TRIES])  # no attempt of `draw_label` has it
-    while True:
+    for _ in range(TRIES):
         try:
             return draw_label(cause, style, seed, world)
         except NoDrawError:
@@ -109,6 +107,7 @@ def draw_fitting_label(cause: str, style: Style, seed: int, world: World) -> Lab
         cause = draw_pair(others)
         while set(cause.split("+")) & set(world["effects"]):
             cause = draw_pair(others)
+    raise NoDrawError(f"no two effects fit in {world['name']}")
 
 
 def try_label(

@@ -207,8 +207,9 @@ def judge(analysis: "Analysis") -> "tuple[Analysis, Verdict, VerdictModel | None
     """(`Analysis` with all pairs that were opened, its `Verdict`, the `VerdictModel` or None)."""
     model = verdict_model_for(analysis)
     analysis, known = with_known(analysis, model)
-    separability, alone = analysis.separability, not analysis.controls
-    return analysis, verdict(analysis.evidence, model, separability, known, alone=alone), model
+    separability, controls = analysis.separability, bool(analysis.controls)
+    answer = verdict(analysis.evidence, model, separability, known, controls=controls)
+    return analysis, answer, model
 
 
 def cost_of(question: Question, runner: "Runner", seconds: float) -> Cost:

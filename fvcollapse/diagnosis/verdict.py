@@ -89,7 +89,7 @@ def verdict(
     separability: "Separability | None" = None,
     known: "Evidence | None" = None,
     *,
-    alone: bool = False,
+    controls: bool = True,
 ) -> Verdict:
     """The `Verdict` of an evidence.
 
@@ -104,14 +104,14 @@ def verdict(
     known : Evidence, optional
         Of the effects that the model knows, compared without the new ones; its pairs are also in
         `evidence`. Default: what `evidence` holds of them.
-    alone : bool
-        There are no controls: where the model agrees the answer is "none".
+    controls : bool
+        Whether controls measure the error of the model. Without them the answer is "none" where the model agrees.
 
     Effects that are `ruled_out` are in neither set nor answer, and the others share their probability.
     """
     answer = probable(evidence, model, separability, known)
     answer = excluding(answer, ruled_out(evidence), separability)
-    return agreeing(answer, separability) if alone and agrees(evidence) else answer
+    return answer if controls or not agrees(evidence) else agreeing(answer, separability)
 
 
 def probable(
@@ -165,13 +165,16 @@ def excluding(
 
 
 def agreeing(answer: Verdict, separability: "Separability | None") -> Verdict:
-    """The `Verdict` "none", left open and with a probability of `EVEN` or more; the others share the remainder."""
+    """The `Verdict` "none", left open and with a probability of `EVEN` or more; the others share the remainder.
+
+    Where no hypothesis was left open, something unknown stays open beside it.
+    """
     least = max(answer.probability[NONE], EVEN)
     others = {name: share for name, share in answer.probability.items() if name != NONE}
     factor = (1.0 - least) / max(sum(others.values()), 1.0e-300)
     shares = {NONE: least} | {name: factor * share for name, share in others.items()}
-    probability = in_order(shares)
-    left_open = {NONE, *answer.set}
+    probability = {name: shares[name] for name in sorted(shares, key=lambda other: -shares[other])}
+    left_open = {NONE, *(answer.set or (UNKNOWN,))}
     retained = tuple(name for name in probability if name in left_open)
     return finished(NONE, probability, retained, answer.conformal, separability)
 
@@ -184,8 +187,8 @@ def is_clear(name: str, probability: Mapping[str, float]) -> bool:
 def tempered(evidence: "Evidence", separability: "Separability | None") -> Verdict:
     """The verdict without a model.
 
-    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none. Where it
-    fails the check no set holds "none", and the others of the set stay.
+    A gap that passes the predictive check needs no effect, unless one is ten times as probable as none (see also
+    `agreeing`). Where it fails the check no set holds "none", and the others of the set stay.
     """
     probability = in_order(capped(tempered_shares(evidence), CAP))
     passes = evidence.hypotheses[NONE].p_value >= NONE_RETAINED

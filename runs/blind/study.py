@@ -139,7 +139,7 @@ def answer_blind_suite(arguments):
         for name in () if controls else SIMPLE:
             answered = answers(evidence, simple=name)
             write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
-        answered = answers(evidence, model, alone=not controls)
+        answered = answers(evidence, model, controls=controls)
         write_answers(path, completed(answered, cases))
         print(path)
 

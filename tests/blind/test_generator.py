@@ -72,7 +72,8 @@ def test_two_effects_that_no_draw_joins_in_a_world_are_replaced_by_two_others():
         draw_label(pair, BLIND, 7, world)
     label = draw_fitting_label(pair, BLIND, 7, world)
     assert draw_fitting_label(pair, BLIND, 7, world) == label
-    assert "+" in label["cause"] != pair
+    assert "+" in label["cause"]
+    assert label["cause"] != pair
     assert set(label["effects"]) == set(label["cause"].split("+"))
     assert "thin_layer" not in label["effects"]
     assert draw_fitting_label("gate", BLIND, 7, world) == draw_label("gate", BLIND, 7, world)

@@ -24,6 +24,8 @@ from fvcollapse.blind.verdict_training import (
     train,
     training_classes,
 )
+from fvcollapse.diagnosis.verdict import EVEN
+from fvcollapse.diagnosis.verdict_features import agrees
 from fvcollapse.diagnosis.verdict_model import VerdictModel
 from fvcollapse.effects.catalogue import CATALOGUE
 from fvcollapse.errors import InputError, NumericalError
@@ -124,6 +126,19 @@ def test_answers_are_answers_and_mostly_right(studied, model, tmp_path):
     assert np.mean(right) > 0.7
     named = [each for each in found.values() if each["verdict"] == "effect"]
     assert all(set(each["parameters"]) for each in named)
+
+
+def test_answers_without_controls_are_none_where_the_model_agrees(studied, model):
+    folder, _ = studied
+    controlled, alone = (answers(folder / "evidence", model, controls=c) for c in (True, False))
+    evidences = {path.stem: read_evidence(path)[1] for path in (folder / "evidence").iterdir()}
+    assert len({agrees(evidence) for evidence in evidences.values()}) == 2
+    for name, evidence in evidences.items():
+        if agrees(evidence):
+            assert (alone[name]["verdict"], "none" in alone[name]["set"]) == ("none", True)
+            assert alone[name]["probability"]["none"] >= EVEN
+        else:
+            assert alone[name] == controlled[name]
 
 
 @pytest.mark.parametrize("rule", SIMPLE)

@@ -68,6 +68,12 @@ def test_half_of_the_probability_for_none_is_explained_where_the_model_agrees_an
         note = ranking_note(replace(report, details=details))
         assert note.startswith("By its evidence alone cohesion would be first, by 7.0")
         assert (AGREES in note) == told
+    for otherwise in (
+        report_with(spread(none=0.85), p_value=0.4),  # the layer says so
+        report_with(probability, p_value=0.4, where=True),
+        report_with(probability, p_value=0.04),
+    ):
+        assert not module.agrees_alone(otherwise)
 
 
 def test_a_five_way_draw_names_no_cause():

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.standing import Standing
 
 AGREES = (
-    "without controls a gap that is neither significant nor larger than what two codes for the same equations differ "
-    "by cannot be told from an error of the model, so that no missing effect has half of the probability or more"
+    "without controls an error of the model can look like an effect, and this gap is neither significant nor larger "
+    'than what two codes for the same equations differ by: "no missing effect" therefore has half of the probability'
 )
 NEXT = 0.05  # probability from which another cause is named after the first
 MUCH = 0.5  # share of the grid in the variance of a gap that is worth a sentence

@@ -206,9 +206,13 @@ def is_rejected(report: "Report") -> bool:
 
 
 def agrees_alone(report: "Report") -> bool:
-    """Whether there are no controls and the model agrees, see `verdict.agreeing`."""
+    """Whether "none" has half of the probability because there are no controls and the model agrees.
+
+    See `verdict.agreeing`.
+    """
     larger = any(part.is_larger for part in report.details.practical.values())
-    return not (report.details.expected or report.where or larger or is_rejected(report))
+    disagrees = report.details.expected or larger or is_left(report)
+    return report.verdict.probability.get(NONE) == HALF and not disagrees
 
 
 def supports(report: "Report", cause: str) -> bool:
