@@ -173,3 +173,30 @@ def test_hints_do_not_void_answers_and_statements_do(tmp_path):
     assert study.digest_of(tmp_path) == plain
     path.write_text("def half(x):\n    y = x / 3\n    return y\n", encoding="utf-8")
     assert study.digest_of(tmp_path) != plain
+
+
+def test_films_with_less_noise_state_less_and_scatter_less(data, tmp_path):
+    half = films.Errors(*(0.5 * error for error in ERRORS))
+    exact, whole, less = (
+        films.write_experiment(tmp_path / name, data, PEER, 3, errors)
+        for name, errors in (("exact", study.EXACT), ("whole", ERRORS), ("less", half))
+    )
+    stated = [one.settings.uncertainty.thickness for one in (exact, whole, less)]
+    assert stated == pytest.approx([ERRORS.thickness, ERRORS.thickness, half.thickness])
+    truth = exact.curves["profiles"].value
+    scatter = [(one.curves["profiles"].value - truth).std() for one in (whole, less)]
+    assert scatter[1] == pytest.approx(0.5 * scatter[0], rel=0.2)
+
+
+def test_precision_asks_each_question_with_each_noise(tmp_path, monkeypatch):
+    given = []
+    report = example("none", probable=0.8)
+    monkeypatch.setattr(study, "diagnosed", lambda *asked: given.append(asked) or report)
+    options = parse(study.STUDY, ["precision", "--data", str(tmp_path), "--tables", str(tmp_path)])
+    study.precision(options)
+    assert [(name, factor) for name, _, factor in given] == [
+        (name, factor) for factor in study.FACTORS for name in study.PRECISE
+    ]
+    rows = read_table(tmp_path / "precision.csv")
+    assert [float(row["noise_factor"]) for row in rows] == [0.5] * 3 + [0.25] * 3
+    assert {row["called"] for row in rows} == {NONE}

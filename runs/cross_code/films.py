@@ -218,17 +218,21 @@ def write_experiment(folder, data, peer, seed, errors=ERRORS):
     seed : int
         Of the noise.
     errors : Errors
+        Also what is stated; all zero: the curves as they are, with the errors of a laboratory stated.
     """
     rng = np.random.default_rng([seed, zlib.crc32(peer.folder.encode())])
     texts = filmed(seen_of(data, peer), peer, rng, errors)
     folder.mkdir(parents=True, exist_ok=True)
-    write_atomic(folder / "experiment.toml", settings_text(peer, seed).encode())
+    write_atomic(
+        folder / "experiment.toml",
+        settings_text(peer, seed, errors if any(errors) else ERRORS).encode(),
+    )
     for name, text in texts.items():
         write_atomic(folder / name, text.encode())
     return load_experiment(folder)
 
 
-def settings_text(peer, seed):
+def settings_text(peer, seed, stated=ERRORS):
     """`experiment.toml` of a collapse."""
     slips = peer.mu_bed is not None
     return SETTINGS.format(
@@ -239,6 +243,6 @@ def settings_text(peer, seed):
         noise=seed,
         friction=f"\nmu_bed = {peer.mu_bed:.3f}" if slips else "",
         friction_sd=f"\nmu_bed = {SLIPPERY_SD}" if slips else "",
-        errors=ERRORS,
-        scale=round(0.14 * ERRORS.scale, 5),
+        errors=stated,
+        scale=round(0.14 * stated.scale, 5),
     )

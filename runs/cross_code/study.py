@@ -7,6 +7,7 @@ FOLDER holds the curves of a volume-of-fluid code that solves the same equations
     differences   the two codes side by side, without noise, on the points of a diagnosis: differences.csv
     null          the curves filmed with the noise of a laboratory and diagnosed with the right model, without
                   controls, alone and as series: answers.json, answers.csv
+    precision     some of these questions filmed with a half and a quarter of the noise: precision.csv
 
 Every answer but "none" is wrong. Films and pages go below --out; runs are kept in the cache of runs. An answer
 that was given by the present solver and diagnosis is not given again.
@@ -31,7 +32,7 @@ from fvcollapse.diagnosis.question import Question
 from fvcollapse.diagnosis.report.standing import standing
 from fvcollapse.files.atomic import write_atomic
 from fvcollapse.output.fingerprint import Counted, solver_version
-from runs.cross_code.films import PEERS, write_experiment
+from runs.cross_code.films import ERRORS, PEERS, write_experiment
 from runs.study import Study, one_of, run_cached
 from runs.study import main as call
 from runs.table import write_table
@@ -61,6 +62,10 @@ QUESTIONS = {
     "series_6mm": Posed(("flat_6mm", "steep_6mm")),
     "series_slippery": Posed(("flat_3mm_slippery", "flat_6mm_slippery"), 2),
 }
+
+
+PRECISE = ("flat_3mm", "steep_3mm", "series_3mm")  # questions that are filmed with less noise
+FACTORS = (0.5, 0.25)  # on all errors of the measurement
 
 
 # -- the two codes side by side --------------------------------------------------------------------
@@ -163,16 +168,29 @@ class WithoutHints(Counted):
         return None if ast.unparse(node.test) == "TYPE_CHECKING" else self.generic_visit(node)
 
 
-def diagnosed(name, options):
-    """The `Report` of a question."""
+def precision(options):
+    """What a diagnosis says of films with less noise, which state so."""
+    rows = []
+    for factor in FACTORS:
+        for name in PRECISE:
+            answer = answer_of(diagnosed(name, options, factor), QUESTIONS[name])
+            rows.append({"noise_factor": factor} | row_of(name, answer))
+            print(f"{name}, noise x {factor}: {called(answer)} {rows[-1]['probability']:.2f}")
+    write_table(options.tables / "precision.csv", rows)
+
+
+def diagnosed(name, options, factor=1.0):
+    """The `Report` of a question, all errors of the measurement times a factor."""
     peers, noise = QUESTIONS[name]
-    folder = options.out / "films" / f"noise{noise}"
+    less = "" if factor == 1.0 else f"_of_{factor:g}"
+    folder = options.out / "films" / f"noise{noise}{less}"
+    errors = Errors(*(factor * error for error in ERRORS))
     experiments = [
-        write_experiment(folder / peer, options.data, PEERS[peer], noise) for peer in peers
+        write_experiment(folder / peer, options.data, PEERS[peer], noise, errors) for peer in peers
     ]
     return diagnose(
         experiments,
-        folder=options.out / "null" / name,
+        folder=options.out / "null" / f"{name}{less}",
         workers=options.workers,
         cell_size=options.cell_size,
         cache=options.cache,
@@ -249,8 +267,8 @@ def add_options(parser):
 STUDY = Study(
     "cross_code",
     __doc__,
-    {"differences": differences, "null": null},
-    need_data=("differences", "null"),
+    {"differences": differences, "null": null, "precision": precision},
+    need_data=("differences", "null", "precision"),
     add_options=add_options,
 )
 main = partial(call, STUDY)
