@@ -40,6 +40,7 @@ from runs.readme_particles import (
 )
 from runs.readme_reports import (
     cross_code,
+    cross_code_precision,
     diagnosis_example,
     laboratories,
     laboratory_columns,
@@ -106,6 +107,7 @@ PARTS = {
     "paper": statements_by_verdict,
     "laboratories": laboratories,
     "cross-code": cross_code,
+    "cross-code-precision": cross_code_precision,
 }
 PART = re.compile(r"<!-- begin: (?P<command>[^\n]*) -->\n(?P<body>.*?)<!-- end -->\n", re.DOTALL)
 

@@ -133,6 +133,23 @@ def cross_code():
     return table(heading, lines)
 
 
+def cross_code_precision():
+    """What a diagnosis says of more precise films of another code."""
+    heading = ("noise", "question", "called", "unknown", "in the set", "regions")
+    lines = [
+        (
+            f"× {row['noise_factor']}",
+            f"`{row['question']}`",
+            f"{row['called']} {float(row['probability']):.2f}",
+            f"{float(row['unknown']):.2f}",
+            row["names_in_set"],
+            row["regions"],
+        )
+        for row in read_table(RUNS / "cross_code" / "precision.csv")
+    ]
+    return table(heading, lines)
+
+
 def called_cells(answer):
     """Cells of an answer: what is called, the most probable cause, the set, regions, sizes of the gap."""
     called = "+".join(answer["effects"]) or answer["verdict"]

@@ -206,11 +206,14 @@ def null():
     """What is called none of the collapses of another code in which nothing is hidden."""
     answers = stored("cross_code", "answers.json").values()
     none = sum(answer["verdict"] == NOTHING[0] for answer in answers)
+    precise = read_table(RUNS / "cross_code" / "precision.csv")
+    silent = sum(row["called"] == NOTHING[0] for row in precise)
     wrong = max(likeliest_cause(answer)[1] for answer in answers)
     return (
         "the diagnosis names nothing where nothing is hidden and another code is the laboratory",
         f"none is the answer to {none} of {len(answers)} questions without controls, by a rule that was made after "
-        f"them; the most probable cause has {rounded(wrong, 0, PERCENT)} %",
+        f"them (the most probable cause has {rounded(wrong, 0, PERCENT)} %), and to {silent} of {len(precise)} with a "
+        "half or a quarter of the noise",
     )
 
 

@@ -76,7 +76,7 @@ def test_laboratories_in_which_an_effect_is_named_wrongly_are_not_counted(tmp_pa
     )
 
 
-def test_the_answers_to_another_code_are_none_or_stand_out(monkeypatch):
+def test_the_answers_to_another_code_are_none_or_stand_out(tmp_path, monkeypatch):
     sizes = {"regions": 0, "ratio": {"front": 0.51, "profiles": 0.666}}
     quiet = {"verdict": "none", "effects": [], "set": ["none", "gate"]} | sizes
     wrong = {"verdict": "effect", "effects": ["gate"], "set": ["gate"]} | sizes
@@ -89,6 +89,10 @@ def test_the_answers_to_another_code_are_none_or_stand_out(monkeypatch):
     lines = readme_reports.cross_code().splitlines()
     assert "| `a` | none 0.50 | gate 0.30 | 2 | 0 | 0.67, 0.51 |" in lines
     assert "| `b` | **gate** 0.66 | gate 0.66 | 1 | 0 | 0.67, 0.51 |" in lines
-    told = readme_trust.null()[1]
-    assert told.startswith("none is the answer to 1 of 2 questions without controls")
-    assert told.endswith("the most probable cause has 66 %")
+    precise = [{"called": "none"}, {"called": "unknown"}, {"called": "none"}]
+    write_table(tmp_path / "cross_code" / "precision.csv", precise)
+    monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
+    assert readme_trust.null()[1] == (
+        "none is the answer to 1 of 2 questions without controls, by a rule that was made after them (the most "
+        "probable cause has 66 %), and to 2 of 3 with a half or a quarter of the noise"
+    )
