@@ -21,11 +21,7 @@ if TYPE_CHECKING:
 
 
 def answers(
-    out: str | Path,
-    model: "VerdictModel | None" = None,
-    simple: str | None = None,
-    *,
-    controls: bool = True,
+    out: str | Path, model: "VerdictModel | None" = None, simple: str | None = None
 ) -> dict[str, Answer]:
     """{case: answer} of every file of evidence in a folder.
 
@@ -35,8 +31,6 @@ def answers(
     model : VerdictModel, optional
     simple : str, optional
         Key of `SIMPLE`: the answers of that rule instead.
-    controls : bool
-        Whether the cases were compared with their controls, see `verdict`.
     """
     answered: dict[str, Answer] = {}
     for path in sorted(Path(out).glob("*.json")):
@@ -47,9 +41,7 @@ def answers(
         if model is not None and not model.covers(evidence):
             allowed = "a verdict layer that was fitted with them: fit it again"
             raise InputError(path, "hypotheses", "effects that the model does not know", allowed)
-        answered[path.stem] = answer_of_verdict(
-            content, verdict(evidence, model, controls=controls)
-        )
+        answered[path.stem] = answer_of_verdict(content, verdict(evidence, model))
     return answered
 
 

@@ -114,10 +114,7 @@ def train(
 
 
 def cross_validated(pairs: Sequence[tuple["Evidence", Label]], seed: int = 0) -> dict[str, Any]:
-    """All scores of pairs, each judged by a model that has seen neither its world nor its kind of unknown.
-
-    The model alone is scored, without the rule for answers without controls (`verdict.agreeing`).
-    """
+    """All scores of pairs, each judged by a model that has seen neither its world nor its kind of unknown."""
     origins, outcomes = [origin_of(label) for _, label in pairs], []
     for judged, teaching in left_out(origins, seed):
         model = train([pairs[number] for number in teaching])

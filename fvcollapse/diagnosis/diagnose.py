@@ -207,9 +207,7 @@ def judge(analysis: "Analysis") -> "tuple[Analysis, Verdict, VerdictModel | None
     """(`Analysis` with all pairs that were opened, its `Verdict`, the `VerdictModel` or None)."""
     model = verdict_model_for(analysis)
     analysis, known = with_known(analysis, model)
-    separability, controls = analysis.separability, bool(analysis.controls)
-    answer = verdict(analysis.evidence, model, separability, known, controls=controls)
-    return analysis, answer, model
+    return analysis, verdict(analysis.evidence, model, analysis.separability, known), model
 
 
 def cost_of(question: Question, runner: "Runner", seconds: float) -> Cost:

@@ -14,10 +14,10 @@ Diagnoses with controls have a model of their own, fitted to laboratories whose 
 Without a model evidences are tempered (`temperature`), which is no calibration: probabilities are capped, and there are
 no conformal p-values. "none" is given up where it fails its predictive check at 5 %.
 
-Without controls nothing measures the error of the model in this laboratory, and another code for the same equations
-leaves gaps that look like an effect. There "none" is the answer where the model agrees: no region of the gap is
-significant, chance explains all points together, and no observable is off by more than what two codes differ by. "None"
-is then as probable as all causes together.
+An error of the model can look like an effect: another code for the same equations leaves such gaps. "None" is therefore
+the answer where the model agrees: no region of the gap is significant, chance explains all points together, and no
+observable is off by more than the error of the model that the controls leave open (without controls, by more than two
+codes differ). "None" is then as probable as all causes together.
 
 References
 ----------
@@ -52,7 +52,7 @@ RETAINED = 0.10  # conformal p-value from which a hypothesis is left open
 NONE_RETAINED = 0.05  # and from which "none" is not given up
 CAP = 0.9  # largest probability without a model
 CLEAR = 10.0  # odds against none from which an effect is named although the check is passed
-EVEN = 0.5  # least probability of none without controls where the model agrees
+EVEN = 0.5  # least probability of none where the model agrees
 PAIR_TEMPERATURE = 5.0  # shares the probability of two effects among the pairs that were opened
 
 
@@ -88,8 +88,6 @@ def verdict(
     model: "VerdictModel | None" = None,
     separability: "Separability | None" = None,
     known: "Evidence | None" = None,
-    *,
-    controls: bool = True,
 ) -> Verdict:
     """The `Verdict` of an evidence.
 
@@ -104,14 +102,13 @@ def verdict(
     known : Evidence, optional
         Of the effects that the model knows, compared without the new ones; its pairs are also in
         `evidence`. Default: what `evidence` holds of them.
-    controls : bool
-        Whether controls measure the error of the model. Without them the answer is "none" where the model agrees.
 
     Effects that are `ruled_out` are in neither set nor answer, and the others share their probability.
+    Where the model `agrees` the answer is "none".
     """
     answer = probable(evidence, model, separability, known)
     answer = excluding(answer, ruled_out(evidence), separability)
-    return answer if controls or not agrees(evidence) else agreeing(answer, separability)
+    return agreeing(answer, separability) if agrees(evidence) else answer
 
 
 def probable(

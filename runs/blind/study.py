@@ -139,8 +139,7 @@ def answer_blind_suite(arguments):
         for name in () if controls else SIMPLE:
             answered = answers(evidence, simple=name)
             write_answers(arguments.tables / f"answers_{name}.json", completed(answered, cases))
-        answered = answers(evidence, model, controls=controls)
-        write_answers(path, completed(answered, cases))
+        write_answers(path, completed(answers(evidence, model), cases))
         print(path)
 
 

@@ -212,16 +212,6 @@ def test_the_verdict_layer_is_asked_for_what_it_was_fitted_to(lacking, monkeypat
     assert all(each == bool(controls) for each in asked)
 
 
-@pytest.mark.parametrize("controls", [(), ("one",)], ids=["alone", "controlled"])
-def test_the_verdict_is_told_whether_there_are_controls(controls, monkeypatch):
-    told = []
-    monkeypatch.setattr(module, "verdict_model_for", lambda analysis: None)
-    monkeypatch.setattr(module, "verdict", lambda *_, controls: told.append(controls))
-    analysis = SimpleNamespace(controls=controls, evidence=None, separability=None)
-    module.judge(analysis)
-    assert told == [bool(controls)]
-
-
 # -- bad input -----------------------------------------------------------------------------------
 
 

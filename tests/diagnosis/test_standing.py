@@ -8,7 +8,7 @@ from fvcollapse.diagnosis.names import NONE, UNKNOWN, WINNER
 from fvcollapse.diagnosis.report import sentences
 from fvcollapse.diagnosis.report import standing as module
 from fvcollapse.diagnosis.report.bars import ranking_note
-from fvcollapse.diagnosis.report.certainty import AGREES, certainty
+from fvcollapse.diagnosis.report.certainty import agreement, certainty
 from fvcollapse.diagnosis.report.schema import HypothesisSummary
 
 
@@ -56,24 +56,25 @@ def test_nothing_is_needed_only_where_nothing_is_left():
     assert module.standing(report_with(probability, p_value=0.01)).state == module.OPEN
 
 
-def test_half_of_the_probability_for_none_is_explained_where_the_model_agrees_and_no_control_measures():
+def test_half_of_the_probability_for_none_is_explained_where_the_model_agrees():
     probability = spread(none=0.5, cohesion=0.33)
     agreeing = report_with(probability, p_value=0.4)
     controlled = replace(agreeing, details=replace(agreeing.details, expected={"front": 0.01}))
-    assert AGREES[1:] in certainty(agreeing)
-    assert AGREES[1:] not in certainty(controlled)
     others = {"cohesion": HypothesisSummary(9.0), NONE: HypothesisSummary(2.0, predictive_p=0.4)}
-    for report, told in ((agreeing, True), (controlled, False)):
+    for report, told in ((agreeing, "two codes"), (controlled, "that the controls leave open")):
+        assert f"Reason: {agreement(report)}." in certainty(report)
+        assert told in agreement(report)
         details = replace(report.details, hypotheses=others)
         note = ranking_note(replace(report, details=details))
         assert note.startswith("By its evidence alone cohesion would be first, by 7.0")
-        assert (AGREES in note) == told
+        assert note.endswith(f"because {agreement(report)}.")
     for otherwise in (
         report_with(spread(none=0.85), p_value=0.4),  # the layer says so
         report_with(probability, p_value=0.4, where=True),
         report_with(probability, p_value=0.04),
     ):
-        assert not module.agrees_alone(otherwise)
+        assert not module.agrees(otherwise)
+        assert "Reason:" not in certainty(otherwise)
 
 
 def test_a_five_way_draw_names_no_cause():

@@ -11,7 +11,7 @@ from fvcollapse.blind.verdict_fit import sharpness_of
 from fvcollapse.diagnosis.left import Left
 from fvcollapse.diagnosis.mass_balance import MassBalance
 from fvcollapse.diagnosis.names import NONE, SEVERAL, UNKNOWN
-from fvcollapse.diagnosis.verdict import EVEN, agreeing, named, verdict
+from fvcollapse.diagnosis.verdict import EVEN, agreeing, named, probable, verdict
 from fvcollapse.diagnosis.verdict_features import asks, class_of, known_logits
 from fvcollapse.diagnosis.verdict_model import class_prior, softmax
 
@@ -71,19 +71,19 @@ def test_nothing_unknown_where_nothing_asks_for_an_explanation(model):
         assert chances[0] < 0.1 < 0.4 < chances[1]
 
 
-def test_none_is_the_answer_without_controls_where_the_model_agrees(model):
+def test_none_is_the_answer_where_the_model_agrees(model):
     logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
     quiet = dataclasses.replace(evidence_of(logs), left=Left(0, 0.3, 0.0))
     for layer in (model, None):
-        controlled = verdict(quiet, layer)
-        assert controlled.effects == ("arms",)
-        found = verdict(quiet, layer, controls=False)
+        before = probable(quiet, layer, None, None)
+        assert before.effects == ("arms",)
+        found = verdict(quiet, layer)
         assert found.kind == NONE
         assert found.effects == ()
         assert found.probability[NONE] == EVEN  # exactly: the headline asks for half
         assert sum(found.probability.values()) == pytest.approx(1.0)
-        assert set(found.set) == {NONE, *controlled.set}  # what was open stays open
-        others = {name: share for name, share in controlled.probability.items() if name != NONE}
+        assert set(found.set) == {NONE, *before.set}  # what was open stays open
+        others = {name: share for name, share in before.probability.items() if name != NONE}
         ratio = {name: found.probability[name] / share for name, share in others.items()}
         assert np.ptp(list(ratio.values())) < 1e-9  # the others keep their odds
 
@@ -94,17 +94,17 @@ def test_nothing_that_was_open_is_closed_where_the_model_agrees(model):
     quiet = dataclasses.replace(evidence_of(logs), left=Left(0, 1.0, 0.0))
     arms = quiet.hypotheses["arms"]._replace(closes=-0.1)
     out = dataclasses.replace(quiet, hypotheses=quiet.hypotheses | {"arms": arms})
-    found = verdict(out, model, controls=False)
+    found = verdict(out, model)
     assert found.probability["arms"] == 0.0
     assert found.probability[NONE] >= EVEN
     assert "arms" not in found.set
-    strange = verdict(quiet, model)._replace(set=())
+    strange = probable(quiet, model, None, None)._replace(set=())
     assert set(agreeing(strange, None).set) == {NONE, UNKNOWN}
     sure = strange._replace(probability={NONE: 1.0, "arms": 0.0})
     assert agreeing(sure, None).probability == {NONE: 1.0, "arms": 0.0}
 
 
-def test_the_answer_without_controls_stands_where_the_model_does_not_agree(model):
+def test_the_answer_stands_where_the_model_does_not_agree(model):
     logs = {name: 0.0 if name == "arms" else -30.0 for name in (*EFFECTS, NONE, UNKNOWN)}
     seen = dataclasses.replace(evidence_of(logs), left=Left(1, 3.0, 0.9))
     failed = dataclasses.replace(evidence_of(logs, {NONE: 0.04}), left=Left(0, 0.3, 0.0))
@@ -112,10 +112,10 @@ def test_the_answer_without_controls_stands_where_the_model_does_not_agree(model
     large = dataclasses.replace(evidence_of(logs), left=Left(0, 1.1, 0.0))
     untold = evidence_of(logs)
     for evidence in (seen, failed, large, untold):
-        assert verdict(evidence, model, controls=False) == verdict(evidence, model)
-        assert verdict(evidence, controls=False) == verdict(evidence)
-    assert verdict(sure, model, controls=False).probability[NONE] == pytest.approx(
-        verdict(sure, model).probability[NONE]
+        for layer in (model, None):
+            assert verdict(evidence, layer) == probable(evidence, layer, None, None)
+    assert verdict(sure, model).probability[NONE] == pytest.approx(
+        probable(sure, model, None, None).probability[NONE]
     )  # never less probable than it was
 
 

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 from fvcollapse.diagnosis.names import NONE, UNKNOWN, effects_of
-from fvcollapse.diagnosis.report.certainty import AGREES, is_calibrated
+from fvcollapse.diagnosis.report.certainty import agreement, is_calibrated
 from fvcollapse.diagnosis.report.sentences import tried
-from fvcollapse.diagnosis.report.standing import agrees_alone, alone, standing
+from fvcollapse.diagnosis.report.standing import agrees, alone, standing
 from fvcollapse.diagnosis.report.words import hypothesis_name, percent
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ def ranking_note(report: "Report") -> str:
 
 def reason(report: "Report", strongest: str, first: str) -> str:
     """What weighs against the evidence: the prior, how evidence counts, and that the model agrees."""
-    if first == NONE and agrees_alone(report):
-        return f"{AGREES}."
+    if first == NONE and agrees(report):
+        return f"{agreement(report)}."
     if is_calibrated(report):
         return (
             "the verdict layer has learned from simulated cases with known causes how often so much evidence "

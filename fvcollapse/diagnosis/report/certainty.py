@@ -8,7 +8,7 @@ from fvcollapse.diagnosis.report.sealed import right_words
 from fvcollapse.diagnosis.report.standing import (
     NOTHING,
     OPEN,
-    agrees_alone,
+    agrees,
     beside,
     may_be_named,
     standing,
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from fvcollapse.diagnosis.report.schema import Confirmation, Report
     from fvcollapse.diagnosis.report.standing import Standing
 
-AGREES = (
-    "without controls an error of the model can look like an effect, and this gap is neither significant nor larger "
-    'than what two codes for the same equations differ by: "no missing effect" therefore has half of the probability'
-)
 NEXT = 0.05  # probability from which another cause is named after the first
 MUCH = 0.5  # share of the grid in the variance of a gap that is worth a sentence
 GRID = "grid"  # the source of uncertainty, as `findings.budget` names it
@@ -68,9 +64,22 @@ def probability_words(report: "Report", stand: "Standing") -> str:
         return (
             f"the data ask for nothing, and exclude little: no missing effect has {percent(shares[NONE])}, and all "
             f"other hypotheses share the rest{following}."
-        ) + (f" {AGREES[0].upper()}{AGREES[1:]}." if agrees_alone(report) else "")
+        ) + (f" Reason: {agreement(report)}." if agrees(report) else "")
     both = " (each alone or with another cause)" if len(causes) > 1 else ""
     return f"{stated}{both}{following}."
+
+
+def agreement(report: "Report") -> str:
+    """Why "none" has half of the probability where the model agrees."""
+    honest = (
+        "the error of the model that the controls leave open"
+        if report.details.expected
+        else "what two codes for the same equations differ by"
+    )
+    return (
+        f"the gap is neither significant nor larger than {honest}, and such an error can look like an effect, so that "
+        '"no missing effect" gets half of the probability'
+    )
 
 
 def given_up_words(report: "Report", stand: "Standing") -> list[str]:

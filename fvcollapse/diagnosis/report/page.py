@@ -19,7 +19,7 @@ from fvcollapse.diagnosis.report.next_words import planned, with_case
 from fvcollapse.diagnosis.report.regions import region_words
 from fvcollapse.diagnosis.report.run_table import RUNS_FILE
 from fvcollapse.diagnosis.report.sealed import gain_words, sealed_scores
-from fvcollapse.diagnosis.report.standing import agrees_alone
+from fvcollapse.diagnosis.report.standing import agrees
 from fvcollapse.diagnosis.report.tables import (
     absorbed_rows,
     assumed_rows,
@@ -175,7 +175,7 @@ def texts_of(report: "Report") -> dict[str, Any]:
         "answer": sentences.parts_of(report),
         "headline": sentences.headline(report),
         "ranking_note": ranking_note(report),
-        "agrees_alone": agrees_alone(report),
+        "agrees": agrees(report),
         "expected": sentences.expected_gaps(report),
         "tested": any(summary.conformal_p is not None for summary in hypotheses),
         "after": words.after_model(report),

@@ -205,14 +205,10 @@ def is_rejected(report: "Report") -> bool:
     return none is not None and none.predictive_p is not None and none.predictive_p < CHECK_PASSED
 
 
-def agrees_alone(report: "Report") -> bool:
-    """Whether "none" has half of the probability because there are no controls and the model agrees.
-
-    See `verdict.agreeing`.
-    """
+def agrees(report: "Report") -> bool:
+    """Whether "none" has half of the probability because the model agrees, see `verdict.agreeing`."""
     larger = any(part.is_larger for part in report.details.practical.values())
-    disagrees = report.details.expected or larger or is_left(report)
-    return report.verdict.probability.get(NONE) == HALF and not disagrees
+    return report.verdict.probability.get(NONE) == HALF and not (larger or is_left(report))
 
 
 def supports(report: "Report", cause: str) -> bool:
