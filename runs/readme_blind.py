@@ -62,7 +62,7 @@ def first_of(part, name="top_1"):
 def unknown_of(kind):
     """Row of a kind of unknown cause."""
     return (
-        f"recognised: {OUTSIDE[kind]}",
+        f"answered unknown: {OUTSIDE[kind]}",
         lambda scores: number(scores["alarms"]["unknown_by_kind"][kind]["found"]),
         "",
     )
@@ -95,6 +95,11 @@ def of_closure(kind):
     return lambda scores: percent(scores["by_laboratory"]["closure"][kind]["top_1"])
 
 
+def answers_of(kind):
+    """Reader of the share of right answers of a kind."""
+    return lambda scores: percent(scores["answers"][kind])
+
+
 def simpler(scores):
     """First name right with simpler methods."""
     methods = ("answers_nearest_signature", "answers_chi_square_ranking", "always_none")
@@ -103,13 +108,17 @@ def simpler(scores):
 
 
 NAMING = (
-    ("right name first, single effects with d ≥ 3", first_of("separable"), "92 %; 88 %"),
-    ("right name first, all single effects", first_of("single"), "82 %; 75 %"),
-    ("right name first, all cases", lambda scores: percent(scores["all"]["top_1"]), "82 %; 78 %"),
+    ("most probable cause right, single effects with d ≥ 3", first_of("separable"), "92 %; 88 %"),
+    ("most probable cause right, all single effects", first_of("single"), "82 %; 75 %"),
+    (
+        "most probable cause right, all cases",
+        lambda scores: percent(scores["all"]["top_1"]),
+        "82 %; 78 %",
+    ),
     ("the same in strong worlds", strong, ""),
     ("the same of effects by a closure of the catalogue", of_closure("catalogue"), ""),
     ("the same of effects by another closure", of_closure("another"), ""),
-    ("right name among the first two", lambda scores: percent(scores["all"]["top_2"]), ""),
+    ("true cause among the two most probable", lambda scores: percent(scores["all"]["top_2"]), ""),
     ("two effects, both with d ≥ 3: both named", first_of("separable_pairs"), "60 %"),
     (
         "prediction set holds the truth",
@@ -120,12 +129,20 @@ NAMING = (
 )
 ALARMS = (
     (
-        "false alarms where nothing is hidden",
+        "false alarms (another answer than none) where nothing is hidden",
         lambda scores: percent(scores["alarms"]["false_alarm_on_none"]),
         "4 %",
     ),
+    *(
+        (f"of the answers {words}, right ones", answers_of(kind), "")
+        for kind, words in (
+            ("named", "that name an effect"),
+            ("none", '"none"'),
+            ("unknown", '"unknown"'),
+        )
+    ),
     (
-        "causes outside of the catalogue recognised",
+        "causes outside of the catalogue answered unknown",
         lambda scores: percent(scores["alarms"]["unknown"]["found"]),
         "85 %",
     ),
@@ -142,11 +159,11 @@ PROBABILITIES = (
         "1 %",
     ),
     ("calibration error (that of a perfect diagnosis of this size, 95 %)", error_of, "within"),
-    ("mean probability of the first name, share of right ones", sureness, "equal"),
+    ("mean probability of the most probable cause, share of right ones", sureness, "equal"),
     (
         "90 % intervals hold the parameter",
         lambda scores: percent(scores["parameters"]["interval_90_covers"]),
         "88–93 %",
     ),
 )
-OTHERS = (("right name first: nearest signature, chi-square, always none", simpler, ""),)
+OTHERS = (("most probable cause right: nearest signature, chi-square, always none", simpler, ""),)

@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from fvcollapse.blind.calibration import calibration, risk_coverage, sharpness
-from fvcollapse.blind.outcomes import Outcome, best_credit, bootstrapped, class_of, grouped, share
+from fvcollapse.blind.outcomes import (
+    Outcome,
+    best_credit,
+    bootstrapped,
+    class_of,
+    credit,
+    grouped,
+    share,
+)
 from fvcollapse.blind.plain_values import Average
 from fvcollapse.diagnosis.names import NAMED, NONE, UNKNOWN
 
@@ -20,6 +28,7 @@ def all_scores(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         "by_class": by_class(outcomes),
         "by_cause": by_cause(outcomes),
         "alarms": alarms(outcomes),
+        "answers": right_answers(outcomes),
         "sharpness": sharpness(outcomes),
         "calibration": calibration(outcomes),
         "risk_coverage": risk_coverage(outcomes),
@@ -64,6 +73,30 @@ def by_cause(outcomes: Sequence[Outcome]) -> dict[str, dict[str, Average]]:
     }
 
 
+def right_answers(outcomes: Sequence[Outcome]) -> dict[str, Average]:
+    """Share of the answers of each kind (effects named, none, unknown) that are right; half for one of two effects.
+
+    The shares depend on how often the suite hides what.
+    """
+    kinds = {"named": NAMED, NONE: (NONE,), UNKNOWN: (UNKNOWN,)}
+    groups = {
+        kind: [outcome for outcome in outcomes if outcome.verdict in of_kind]
+        for kind, of_kind in kinds.items()
+    }
+    return {
+        kind: share(credit(outcome.truth, answer_of(outcome)) for outcome in group)
+        for kind, group in groups.items()
+        if group
+    }
+
+
+def answer_of(outcome: Outcome) -> str:
+    """The name that an answer gives: the most probable one that it leaves open, none or unknown."""
+    if outcome.verdict not in NAMED:
+        return outcome.verdict
+    return (*outcome.names, *outcome.ranked())[0]
+
+
 def confusion(outcomes: Sequence[Outcome]) -> dict[str, dict[str, int]]:
     """{truth: {first name: count}}."""
     return {
@@ -102,10 +135,7 @@ def fate(outcomes: Sequence[Outcome]) -> dict[str, Average]:
 
 def verdicts(outcomes: Sequence[Outcome]) -> dict[str, Average]:
     """What the verdict says of known causes: the cause alone, another name, none or unknown."""
-    named = [
-        (*outcome.names, *outcome.ranked())[0] if outcome.verdict in NAMED else None
-        for outcome in outcomes
-    ]
+    named = [answer_of(outcome) if outcome.verdict in NAMED else None for outcome in outcomes]
     right = [name == outcome.truth for name, outcome in zip(named, outcomes, strict=True)]
     return {
         "named": share(right),

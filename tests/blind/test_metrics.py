@@ -5,8 +5,9 @@ import pytest
 
 from fvcollapse.blind.calibration import calibration, calibration_error, risk_coverage, sharpness
 from fvcollapse.blind.comparisons import mcnemar, parameter_scores, reduction_scores
-from fvcollapse.blind.metrics import alarms, by_class, confusion, ranking
+from fvcollapse.blind.metrics import alarms, by_class, confusion, ranking, right_answers
 from fvcollapse.blind.outcomes import Outcome, credit, share
+from fvcollapse.diagnosis.names import UNKNOWN
 
 
 def outcome(truth, verdict="effect", names=(), kind=None, **probability):
@@ -35,6 +36,23 @@ def test_first_two_names_and_sets():
     assert scores["top_2"]["value"] == 0.75
     assert scores["set_holds_truth"]["value"] == 0.75  # an empty set says unknown
     assert scores["mean_set_size"]["value"] == 1.5
+
+
+def test_right_answers_of_each_kind():
+    """The answer counts, not the most probable cause: none may be the answer where an effect is more probable."""
+    found = right_answers(
+        [
+            outcome("none", "none", gate=0.6, none=0.4, names=("gate", "none")),
+            outcome("gate", "none", gate=0.6, none=0.4, names=("gate", "none")),
+            outcome("gate", "effect", unknown=0.5, gate=0.5, names=("gate",)),
+            outcome("cohesion+gate", "effect", gate=1.0, names=("gate",)),
+            outcome("none", "effect", gate=1.0, names=("gate",)),
+        ]
+    )
+    assert found["none"]["value"] == 0.5
+    assert found["named"]["value"] == pytest.approx(0.5)
+    assert found["named"]["n"] == 3
+    assert UNKNOWN not in found
 
 
 def test_equal_probabilities_earn_what_the_worst_order_earns():
