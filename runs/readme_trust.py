@@ -3,6 +3,7 @@
 import re
 
 from fvcollapse import load_experiment
+from fvcollapse.diagnosis.names import NONE, UNKNOWN
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.terms import TERMS
 from runs.paper.settled import ON_BED, ON_FRONT
@@ -25,7 +26,7 @@ WANTED = (  # bullets of the paper's README: what would decide the statements th
     ("Measured curves", "The finite-element code"),
     ("A number for a word",),
 )
-NOTHING = ("none", "unknown")  # answers that name no effect
+NOTHING = (NONE, UNKNOWN)  # answers that name no effect
 PERCENT = 100
 
 
@@ -169,6 +170,8 @@ def laboratories():
     first = [float(row["of_the_right"]) for row in wet if row["called"] == "cohesion"]
     free = [row for row in rows if not row["right"]]
     silent = sum(row["called"] in NOTHING for row in free)
+    outside = [row for row in rows if row["right"] == UNKNOWN]
+    missed = sum(row["called"] != UNKNOWN for row in outside)
     fits = read_table(RUNS / "laboratories" / "columns_fit.csv")
     (walled,) = [row for row in fits if row["walls"] == "measured"]
     shorter = -float(walled["runout_mean_percent"])
@@ -177,37 +180,40 @@ def laboratories():
     seen = [row for row in columns if (row["quantity"], row["walls"]) == ("runout", "measured")]
     return (
         "its diagnoses of real laboratories",
-        f"cohesion comes first in {len(first)} of {len(wet)} questions on wetted beads (probability "
-        f"{span(first, lambda of: rounded(of, 0, PERCENT))} %); nothing is named in {silent} of {len(free)} where "
-        f"nothing may be; {len(seen)} columns of beads of measured runout run {rounded(shorter)} % less far in the "
+        f"cohesion is the answer in {len(first)} of {len(wet)} groupings of one data set of wetted beads (probability "
+        f"{span(first, lambda of: rounded(of, 0, PERCENT))} %); no effect is named in {silent} of {len(free)} "
+        f"laboratories without an intervention; {missed} of {len(outside)} causes outside of the catalogue (rolling "
+        f"friction) is missed; {len(seen)} columns of beads of measured runout run {rounded(shorter)} % less far in the "
         "model, on average",
     )
 
 
 def names():
-    """Right first names and false alarms of the sealed cases, with controls and alone."""
+    """Right answers, right most probable causes and false alarms of the sealed cases, with controls and alone."""
     ways = stored("blind", "scores.json")
-    (right, alarms), (alone, alarms_alone) = (
-        (
-            ways[way]["by_separability"]["separable"]["top_1"],
-            ways[way]["alarms"]["false_alarm_on_none"],
+    named, right, alarms = (
+        [read(ways[way]) for way in ("controls", "alone")]
+        for read in (
+            lambda scores: scores["answers"]["named"],
+            lambda scores: scores["by_separability"]["separable"]["top_1"],
+            lambda scores: scores["alarms"]["false_alarm_on_none"],
         )
-        for way in ("controls", "alone")
     )
     return (
         "the diagnosis names the right effect",
-        f"{percent(right)} of the {right['n']} hidden effects that the data can tell apart, false alarms "
-        f"{percent(alarms)}, where experiments without a hidden effect (controls) are there as well; without controls "
-        f"{percent(alone)} of {alone['n']}, false alarms {percent(alarms_alone)}",
+        f"with controls (experiments without the effect) {percent(named[0])} of the {named[0]['n']} sealed answers that "
+        f"name an effect are right, and the most probable cause of {percent(right[0])} of the {right[0]['n']} effects that "
+        f"the data can tell apart; false alarms {percent(alarms[0])}. Without controls {percent(named[1])} of "
+        f"{named[1]['n']}, {percent(right[1])} of {right[1]['n']}, {percent(alarms[1])}",
     )
 
 
 def null():
     """What is called none of the collapses of another code in which nothing is hidden."""
     answers = stored("cross_code", "answers.json").values()
-    none = sum(answer["verdict"] == NOTHING[0] for answer in answers)
+    none = sum(answer["verdict"] == NONE for answer in answers)
     precise = read_table(RUNS / "cross_code" / "precision.csv")
-    silent = sum(row["called"] == NOTHING[0] for row in precise)
+    silent = sum(row["called"] == NONE for row in precise)
     wrong = max(likeliest_cause(answer)[1] for answer in answers)
     return (
         "the diagnosis names nothing where nothing is hidden and another code is the laboratory",

@@ -51,6 +51,7 @@ def test_laboratories_in_which_an_effect_is_named_wrongly_are_not_counted(tmp_pa
     answers = [
         {"right": "cohesion", "called": "cohesion", "of_the_right": "0.4"},
         {"right": "cohesion", "called": "none", "of_the_right": "0.1"},
+        {"right": "unknown", "called": "none", "of_the_right": "0.1"},
         {"right": "", "called": "none", "of_the_right": ""},
         {"right": "", "called": "tilt", "of_the_right": ""},
     ]
@@ -69,8 +70,9 @@ def test_laboratories_in_which_an_effect_is_named_wrongly_are_not_counted(tmp_pa
     write_table(tmp_path / "laboratories" / "columns.csv", columns)
     monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
     told = readme_trust.laboratories()[1]
-    assert "cohesion comes first in 1 of 2 questions on wetted beads (probability 40 %)" in told
-    assert "nothing is named in 1 of 2 where nothing may be" in told
+    assert "cohesion is the answer in 1 of 2 groupings of one data set of wetted beads" in told
+    assert "(probability 40 %); no effect is named in 1 of 2 laboratories" in told
+    assert "1 of 1 causes outside of the catalogue (rolling friction) is missed" in told
     assert (
         "2 columns of beads of measured runout run 31 % less far in the model, on average" in told
     )

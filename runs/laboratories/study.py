@@ -69,7 +69,7 @@ def below(folder, *names):
     return tuple(f"{folder}/{name}" for name in names)
 
 
-WATER = "5 % of water was added to the beads of the controls"
+WATER = "5 % of water; the controls are the same beads, dry"
 LABORATORIES = {
     "bars": Laboratory(
         ("bui2008_bars",),
@@ -107,7 +107,7 @@ LABORATORIES = {
     "narrow_slot": Laboratory(
         below("narrow_slot", "mur0.1_a2", "mur0.1_a4"),
         below("narrow_slot", "mur0_a2", "mur0_a4"),
-        known="the grains of the controls were given rolling friction, which is no effect of the catalogue",
+        known="rolling friction 0.1, no effect of the catalogue; the controls have none",
         right=(UNKNOWN,),
         wrong=("gate", "cohesion"),
         believed="narrow_slot.toml",
