@@ -75,7 +75,7 @@ def error_of(scores):
 
 
 def sureness(scores):
-    """Mean probability of the first name, and share of right ones."""
+    """Mean probability of the most probable cause, and share of right ones."""
     calibration = scores["calibration"]
     return f"{100 * calibration['mean_confidence']:.0f} %, {100 * calibration['accuracy']:.0f} %"
 
@@ -91,7 +91,7 @@ def strong(scores):
 
 
 def of_closure(kind):
-    """Reader of the share of right first names of effects that act by a kind of closure."""
+    """Reader of the share of right most probable causes of effects that act by a kind of closure."""
     return lambda scores: percent(scores["by_laboratory"]["closure"][kind]["top_1"])
 
 
@@ -119,7 +119,12 @@ NAMING = (
     ("the same of effects by a closure of the catalogue", of_closure("catalogue"), ""),
     ("the same of effects by another closure", of_closure("another"), ""),
     ("true cause among the two most probable", lambda scores: percent(scores["all"]["top_2"]), ""),
-    ("two effects, both with d ≥ 3: both named", first_of("separable_pairs"), "60 %"),
+    (
+        "two effects, both with d ≥ 3: most probable cause right (half for one of the two)",
+        first_of("separable_pairs"),
+        "",
+    ),
+    ("two effects: both named", lambda scores: percent(scores["alarms"]["pair"]["named"]), "60 %"),
     (
         "prediction set holds the truth",
         lambda scores: percent(scores["all"]["set_holds_truth"]),
@@ -134,7 +139,7 @@ ALARMS = (
         "4 %",
     ),
     *(
-        (f"of the answers {words}, right ones", answers_of(kind), "")
+        (f"of the answers {words}, right ones (half for one of two effects)", answers_of(kind), "")
         for kind, words in (
             ("named", "that name an effect"),
             ("none", '"none"'),

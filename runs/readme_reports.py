@@ -121,7 +121,7 @@ def cross_code():
     heading = (
         "question",
         "called",
-        "most probable cause",
+        "most probable other cause",
         "in the set",
         "regions",
         "rms of thickness and front, in combined uncertainties",

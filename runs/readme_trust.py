@@ -183,8 +183,8 @@ def laboratories():
         f"cohesion is the answer in {len(first)} of {len(wet)} groupings of one data set of wetted beads (probability "
         f"{span(first, lambda of: rounded(of, 0, PERCENT))} %); no effect is named in {silent} of {len(free)} "
         f"laboratories without an intervention; {missed} of {len(outside)} causes outside of the catalogue (rolling "
-        f"friction) is missed; {len(seen)} columns of beads of measured runout run {rounded(shorter)} % less far in the "
-        "model, on average",
+        f"friction) is missed; {len(seen)} columns of beads of measured runout run {rounded(shorter)} % less far in "
+        "the model, on average",
     )
 
 
@@ -201,10 +201,11 @@ def names():
     )
     return (
         "the diagnosis names the right effect",
-        f"with controls (experiments without the effect) {percent(named[0])} of the {named[0]['n']} sealed answers that "
-        f"name an effect are right, and the most probable cause of {percent(right[0])} of the {right[0]['n']} effects that "
-        f"the data can tell apart; false alarms {percent(alarms[0])}. Without controls {percent(named[1])} of "
-        f"{named[1]['n']}, {percent(right[1])} of {right[1]['n']}, {percent(alarms[1])}",
+        f"with controls (the same apparatus without the change that is asked about) {percent(named[0])} of "
+        f"{named[0]['n']} sealed answers that name an effect are right; the most probable cause is right for "
+        f"{percent(right[0])} of {right[0]['n']} effects that the data can tell apart; false alarms "
+        f"{percent(alarms[0])} of {alarms[0]['n']}. Without controls {percent(named[1])} of {named[1]['n']}, {percent(right[1])} of "
+        f"{right[1]['n']}, {percent(alarms[1])} of {alarms[1]['n']}",
     )
 
 
@@ -218,8 +219,8 @@ def null():
     return (
         "the diagnosis names nothing where nothing is hidden and another code is the laboratory",
         f"none is the answer to {none} of {len(answers)} questions without controls, by a rule that was made after "
-        f"them (the most probable cause has {rounded(wrong, 0, PERCENT)} %), and to {silent} of {len(precise)} with a "
-        "half or a quarter of the noise",
+        f"them (the most probable other cause has {rounded(wrong, 0, PERCENT)} % at most), and to {silent} of "
+        f"{len(precise)} with a half or a quarter of the noise",
     )
 
 

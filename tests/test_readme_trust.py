@@ -96,5 +96,5 @@ def test_the_answers_to_another_code_are_none_or_stand_out(tmp_path, monkeypatch
     monkeypatch.setattr(readme_trust, "RUNS", tmp_path)
     assert readme_trust.null()[1] == (
         "none is the answer to 1 of 2 questions without controls, by a rule that was made after them (the most "
-        "probable cause has 66 %), and to 2 of 3 with a half or a quarter of the noise"
+        "probable other cause has 66 % at most), and to 2 of 3 with a half or a quarter of the noise"
     )

@@ -18,7 +18,7 @@ PATH = Path(__file__).parent / "sealed_scores.json"
 
 
 class WayScores(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Number of sealed cases; shares whose first name was right, and that were wrong with more than 90 %."""
+    """Number of sealed cases; shares whose most probable cause was right, and that were wrong with more than 90 %."""
 
     cases: int
     first_right: float
@@ -63,7 +63,7 @@ def right_words(report: "Report") -> str:
     own = scores.controls if has_controls else scores.alone
     kind = "with" if has_controls else "without"
     text = (
-        f"In {own.cases} sealed cases {kind} controls the first name was right in {percent(own.first_right)}; "
+        f"In {own.cases} sealed cases {kind} controls the most probable cause was right in {percent(own.first_right)}; "
         f"{percent(own.confident_errors)} of all answers were wrong and claimed more than 90 %"
     )
     if has_controls:
