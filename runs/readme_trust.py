@@ -204,8 +204,8 @@ def names():
         f"with controls (the same apparatus without the change that is asked about) {percent(named[0])} of "
         f"{named[0]['n']} sealed answers that name an effect are right; the most probable cause is right for "
         f"{percent(right[0])} of {right[0]['n']} effects that the data can tell apart; false alarms "
-        f"{percent(alarms[0])} of {alarms[0]['n']}. Without controls {percent(named[1])} of {named[1]['n']}, {percent(right[1])} of "
-        f"{right[1]['n']}, {percent(alarms[1])} of {alarms[1]['n']}",
+        f"{percent(alarms[0])} of {alarms[0]['n']}. Without controls {percent(named[1])} of {named[1]['n']}, "
+        f"{percent(right[1])} of {right[1]['n']}, {percent(alarms[1])} of {alarms[1]['n']}",
     )
 
 
