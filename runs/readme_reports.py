@@ -8,6 +8,7 @@ from fvcollapse.diagnosis.report.sentences import answer, headline
 from fvcollapse.diagnosis.report.words import wrapped
 from fvcollapse.verification.problems.all import PROBLEMS
 from fvcollapse.verification.tables import markdown_table
+from runs.cross_code.study import called_name
 from runs.laboratories.study import LABORATORIES
 from runs.readme_tables import stored, table
 from runs.table import RUNS, read_table
@@ -152,7 +153,7 @@ def cross_code_precision():
 
 def called_cells(answer):
     """Cells of an answer: what is called, the most probable cause, the set, regions, sizes of the gap."""
-    called = "+".join(answer["effects"]) or answer["verdict"]
+    called = called_name(answer)
     cause, chance = likeliest_cause(answer)
     ratio = answer["ratio"]
     return (

@@ -170,6 +170,7 @@ def agreeing(answer: Verdict, separability: "Separability | None") -> Verdict:
     others = {name: share for name, share in answer.probability.items() if name != NONE}
     factor = (1.0 - least) / max(sum(others.values()), 1.0e-300)
     shares = {NONE: least} | {name: factor * share for name, share in others.items()}
+    # not `in_order`, whose division may leave less than `EVEN`
     probability = {name: shares[name] for name in sorted(shares, key=lambda other: -shares[other])}
     left_open = {NONE, *(answer.set or (UNKNOWN,))}
     retained = tuple(name for name in probability if name in left_open)

@@ -232,8 +232,8 @@ def write_experiment(folder, data, peer, seed, errors=ERRORS):
     return load_experiment(folder)
 
 
-def settings_text(peer, seed, stated=ERRORS):
-    """`experiment.toml` of a collapse."""
+def settings_text(peer, seed, stated):
+    """`experiment.toml` of a collapse; `stated` are its errors."""
     slips = peer.mu_bed is not None
     return SETTINGS.format(
         cells=round(0.14 / peer.cell_size),

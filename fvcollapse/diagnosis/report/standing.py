@@ -195,14 +195,12 @@ def explains(report: "Report") -> bool:
 
 def is_left(report: "Report") -> bool:
     """Whether a gap is left without any effect: a region, an observable, or all points taken together."""
-    beyond = any(gap.ratio > BEYOND for gap in report.by_observable.values())
-    return bool(report.where) or beyond or is_rejected(report)
-
-
-def is_rejected(report: "Report") -> bool:
-    """Whether "none" fails the predictive check of all points taken together."""
     none = report.details.hypotheses.get(NONE)
-    return none is not None and none.predictive_p is not None and none.predictive_p < CHECK_PASSED
+    rejected = (
+        none is not None and none.predictive_p is not None and none.predictive_p < CHECK_PASSED
+    )
+    beyond = any(gap.ratio > BEYOND for gap in report.by_observable.values())
+    return bool(report.where) or beyond or rejected
 
 
 def agrees(report: "Report") -> bool:
